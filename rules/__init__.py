@@ -1,0 +1,1 @@
+"""The inference rules, denotation axioms and operator descriptions, as ASP files; no Python logic lives here."""

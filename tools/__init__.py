@@ -1,0 +1,1 @@
+"""The `skolem` command: parse, compose, print, return an exit code."""

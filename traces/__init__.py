@@ -1,0 +1,1 @@
+"""Recorded runs: the messages that cross borders, and writing and reading them as MCAP."""

@@ -1,0 +1,61 @@
+"""What can go wrong, as a short tree.
+
+SkolemError
+├── InputError        a file, goal, rule or flag given by a person is wrong: every fault at once, exit code 2
+├── TraceError        a trace cannot be read or is not sound, exit code 3
+└── InternalError     the product's own contract was broken (a rule file without exactly one answer set, ...)
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Fault:
+    """One mistake in one place of something a person wrote.
+
+    Attributes:
+        file: Name of the file, or of the thing that was given ("--seed", "goal").
+        line: Line, counted from 1; 0 when there is no place.
+        column: Column, counted from 1; 0 when there is no place.
+        message: What is wrong and what was expected, in one line.
+        at: Address inside the file ("belief.objects.1.type"), empty if it has none.
+        excerpt: The offending line, for a caret below it; empty if there is none.
+    """
+
+    file: str
+    line: int
+    column: int
+    message: str
+    at: str = ""
+    excerpt: str = ""
+
+    def __str__(self) -> str:
+        """Return `file:line:column: at: message`, and the line with a caret if there is one."""
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        head = f"{place}: {self.at}: {self.message}" if self.at else f"{place}: {self.message}"
+        if not self.excerpt:
+            return head
+        text = self.excerpt.lstrip()
+        caret = " " * max(0, self.column - 1 - (len(self.excerpt) - len(text)))
+        return f"{head}\n    {text}\n    {caret}^"
+
+
+class SkolemError(Exception):
+    """Base of every error the product raises on purpose."""
+
+
+class InputError(SkolemError):
+    """Something a person wrote is wrong; carries every fault found, sorted by place."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self.faults = tuple(sorted(faults))
+        super().__init__("\n".join(map(str, self.faults)))
+
+
+class TraceError(SkolemError):
+    """A trace cannot be read or is not sound."""
+
+
+class InternalError(SkolemError):
+    """The product broke its own contract; the message names the file or step."""
