@@ -64,7 +64,7 @@ class TypeIs(Message):
 
 
 class HsvVolume(Message):
-    """The property of having a colour inside a box in hue, saturation, value, each axis 0..1; hue wraps if low > high."""
+    """The property of having a colour in a box of hue, saturation, value, each 0..1; hue wraps if low > high."""
 
     quantity: Literal["colour"] = "colour"
     hue: tuple[float, float]
@@ -292,9 +292,7 @@ class ActionResult(Message):
     step: Step
     status: Literal["done", "failed", "stopped_early"]
     robot: RobotState
-    odometry: Pose2 | None = Field(
-        default=None, description="start_T_end of the base by wheel odometry; null: not moved"
-    )
+    odometry: Pose2 | None = Field(default=None, description="start_T_end of the base by its wheels; null: not moved")
     base_T_tool: Pose4 | None = Field(default=None, description="hand frame when the fingers closed or opened")
     gripper_gap_m: float | None = Field(default=None, description="between the fingers after closing or opening")
 
@@ -330,7 +328,8 @@ class Belief(Message):
         description="as in ObjectBelief, base frame"
     )
     robot: RobotState
-    objects: dict[str, ObjectBelief] = Field(description="in order of introduction")
+    anchors: tuple[str, ...] = Field(description="in order of introduction")
+    objects: dict[str, ObjectBelief]
     keys: tuple[str, ...] = Field(description="row order of joint_covariance, three rows (x, y, theta) each")
     joint_covariance: tuple[float, ...] = Field(description="upper triangle, tangent space (body frame) of each key")
 
