@@ -73,6 +73,10 @@ class BeliefQueries(Protocol):
         """P(a look at the object reports it | it exists and is in view)."""
         ...
 
+    def prob_type_right(self) -> float:
+        """P(a look reports the true type | it reports the object)."""
+        ...
+
     def prob_favourable(self, anchor: str, meaning: Meaning, p: float) -> float:
         """P(one observation lifts the belief in the property to at least `p` | the object has the property)."""
         ...

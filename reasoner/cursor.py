@@ -1,0 +1,116 @@
+"""A position in the tokens of a text, with the faults found so far: what every recursive-descent parser here needs."""
+
+import re
+from dataclasses import dataclass
+from typing import Final, NoReturn
+
+MAX_CHARACTERS: Final = 10_000
+MAX_PARTS: Final = 100  # atoms, operators and parentheses; keeps recursion shallow
+REFUSED: Final = {
+    "the": "definite descriptions are not supported: a description may fit several objects, one or none",
+    "iota": "definite descriptions are not supported: a description may fit several objects, one or none",
+    "not": "negation is not part of the goal language",
+    "forall": "only existential variables are part of the goal language",
+}
+_TOKEN: Final = re.compile(
+    r"(?P<number>-?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<mark>[(),.&|])", re.ASCII
+)
+
+
+class ParseFault(Exception):  # noqa: N818 - it is a fault, reported as one
+    """A sentence whose structure cannot be read, with the offset where that shows."""
+
+    def __init__(self, offset: int, message: str) -> None:
+        super().__init__(message)
+        self.offset, self.message = offset, message
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A piece of text with its kind (number, name, mark or end) and its offset."""
+
+    kind: str
+    text: str
+    offset: int
+
+    def __str__(self) -> str:
+        return "the end" if self.kind == "end" else repr(self.text)
+
+
+def tokens_of(text: str) -> list[Token]:
+    """Return the tokens of a text, the end last.
+
+    Raises:
+        ParseFault: At a character that starts no token, or if the text is too long.
+    """
+    if len(text) > MAX_CHARACTERS:
+        raise ParseFault(0, f"a goal of {len(text)} characters; at most {MAX_CHARACTERS} are read")
+    found, offset = [], 0
+    while offset < len(text):
+        if text[offset].isspace():
+            offset += 1
+            continue
+        match = _TOKEN.match(text, offset)
+        if match is None or match.lastgroup is None:
+            raise ParseFault(offset, REFUSED["not"] if text[offset] in "!~" else f"unexpected {text[offset]!r}")
+        found.append(Token(match.lastgroup, match.group(), offset))
+        offset = match.end()
+    return [*found, Token("end", "", len(text))]
+
+
+class Cursor:
+    """One reading of one text.
+
+    Attributes:
+        tokens: All tokens, the end last.
+        faults: (offset, message) of every fault that did not stop the reading.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.tokens = tokens_of(text)
+        self.faults: list[tuple[int, str]] = []
+        self._position = self._parts = 0
+
+    @property
+    def token(self) -> Token:
+        """The token to be read next."""
+        return self.tokens[self._position]
+
+    def take(self) -> Token:
+        """Pass the next token and return it; the end is never passed."""
+        token = self.token
+        self._position = min(self._position + 1, len(self.tokens) - 1)
+        return token
+
+    def accept(self, *texts: str) -> bool:
+        """Pass the next token if it is one of `texts`."""
+        found = self.token.kind != "end" and self.token.text in texts
+        if found:
+            self.take()
+        return found
+
+    def expect(self, text: str, where: str = "") -> None:
+        """Pass the next token, which must be `text`; `where` ends the sentence of the fault."""
+        if not self.accept(text):
+            self.stop(f"expected {text!r}{where}")
+
+    def expect_end(self) -> None:
+        """Stop unless everything has been read."""
+        if self.token.kind != "end":
+            self.stop("expected '&' or the end")
+
+    def stop(self, expected: str) -> NoReturn:
+        """Give up here: raise a `ParseFault` at the next token."""
+        if self.token.text.lower() in REFUSED:
+            raise ParseFault(self.token.offset, REFUSED[self.token.text.lower()])
+        raise ParseFault(self.token.offset, f"{expected}, found {self.token}")
+
+    def complain(self, token: Token, message: str) -> None:
+        """Note a fault at a token and go on."""
+        self.faults.append((token.offset, message))
+
+    def count_part(self) -> None:
+        """Count one more part of the sentence; stop when there are too many."""
+        self._parts += 1
+        if self._parts > MAX_PARTS:
+            raise ParseFault(self.token.offset, f"more than {MAX_PARTS} parts; state a simpler goal")

@@ -1,0 +1,293 @@
+"""The goal language as values: descriptions, beliefs about them, goals; their text and their terms.
+
+A description is a lambda expression (section "Denoting objects"). A goal asks that, for some objects, several things be
+believed of them with given probabilities:
+
+    exists o. B(Den(lambda x. Green(x), o), 0.9) & B(In(o, table1), 0.9)
+
+Every value prints as text that `parser` reads back as an equal value.
+"""
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from types import UnionType
+from typing import Final, Literal
+
+from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
+
+SPATIAL: Final = {"On": "on", "In": "on"}  # In(o, s) is read as: on the top region of s
+QUANTITIES: Final[dict[str, "QuantityName"]] = {
+    "Color": "colour",
+    "Colour": "colour",
+    "Pose": "pose",
+    "Weight": "weight",
+}
+DIMENSIONS: Final = {"pose": 3, "colour": 3, "weight": 1}
+QuantityName = Literal["pose", "colour", "weight"]
+
+
+def constant_of(word: str) -> str:
+    """Return the constant that stands for a relation word in the rules: `SodaBox` becomes `soda_box`."""
+    return SPATIAL.get(word) or re.sub(r"(?<!^)(?=[A-Z])", "_", word).lower()
+
+
+def word_of(constant: str) -> str:
+    """Return the relation word of a constant of the rules: `soda_box` becomes `SodaBox`."""
+    return "".join(part[:1].upper() + part[1:] for part in constant.split("_"))
+
+
+def number_text(value: float) -> str:
+    """Return the shortest text that reads back as `value`, without a trailing `.0`."""
+    return repr(float(value)).removesuffix(".0")
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable bound by a lambda or an `exists`."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A name of an object: an anchor."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A numeric constant."""
+
+    value: float
+
+    def __str__(self) -> str:
+        return number_text(self.value)
+
+
+Object = Variable | Name
+Argument = Variable | Name | Number
+
+
+# ---------------------------------------------------------------- descriptions
+
+
+@dataclass(frozen=True, slots=True)
+class Atom:
+    """A relation word applied to variables, names and numbers: R(c1, .., cn)."""
+
+    word: str
+    args: tuple[Argument, ...]
+
+    def __str__(self) -> str:
+        return f"{self.word}({', '.join(map(str, self.args))})"
+
+
+@dataclass(frozen=True, slots=True)
+class And:
+    """Both expressions hold."""
+
+    left: "Expression"
+    right: "Expression"
+
+    def __str__(self) -> str:
+        return f"{_operand(self.left, Atom | And)} & {_operand(self.right, Atom)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Or:
+    """At least one of two expressions holds."""
+
+    left: "Expression"
+    right: "Expression"
+
+    def __str__(self) -> str:
+        return f"{_operand(self.left, Atom | And | Or)} | {_operand(self.right, Atom | And)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Exists:
+    """The body holds for some object."""
+
+    variable: str
+    body: "Expression"
+
+    def __str__(self) -> str:
+        return f"exists {self.variable}. {self.body}"
+
+
+Expression = Atom | And | Or | Exists
+
+
+def _operand(expression: Expression, plain: type | UnionType) -> str:
+    """Return the text of an operand, in parentheses unless its class is among `plain`."""
+    return str(expression) if isinstance(expression, plain) else f"({expression})"
+
+
+@dataclass(frozen=True, slots=True)
+class Lambda:
+    """A description of objects: those of which the body holds. No two binders in it share a name."""
+
+    variable: str
+    body: Expression
+
+    def __str__(self) -> str:
+        return f"lambda {self.variable}. {self.body}"
+
+
+# ---------------------------------------------------------------- goals
+
+
+@dataclass(frozen=True, slots=True)
+class Den:
+    """The description denotes the object."""
+
+    description: Lambda
+    argument: Object
+
+    def __str__(self) -> str:
+        return f"Den({self.description}, {self.argument})"
+
+
+@dataclass(frozen=True, slots=True)
+class Holds:
+    """The object has every one of the properties."""
+
+    words: tuple[str, ...]
+    argument: Object
+
+    def __str__(self) -> str:
+        return f"Holds(({', '.join(self.words)}{',' if len(self.words) == 1 else ''}), {self.argument})"
+
+
+@dataclass(frozen=True, slots=True)
+class Believed:
+    """B(phi, p): phi is believed with probability at least p."""
+
+    phi: Den | Holds | Atom
+    p: float
+
+    def __str__(self) -> str:
+        return f"B({self.phi}, {number_text(self.p)})"
+
+
+@dataclass(frozen=True, slots=True)
+class Estimated:
+    """B(phi, mu, Sigma, Delta, p): a quantity is known this well, with mixture weight at least p.
+
+    Attributes:
+        quantity: pose (x, y [m], theta [rad], in the frame of the base), colour (hue, saturation, value, 0..1) or
+            weight (ln kg).
+        argument: The object it is about.
+        mean: mu; None, written `any`, when only certainty is asked for.
+        sd: Sigma, diagonal, written as standard deviations.
+        tolerance: Delta: how far the believed mean may be from mu, per component.
+        p: Least mixture weight.
+    """
+
+    quantity: QuantityName
+    argument: Object
+    mean: tuple[float, ...] | None
+    sd: tuple[float, ...]
+    tolerance: tuple[float, ...]
+    p: float
+
+    def __str__(self) -> str:
+        word = next(word for word, quantity in QUANTITIES.items() if quantity == self.quantity)
+        vectors = ", ".join(_vector_text(vector) for vector in (self.mean, self.sd, self.tolerance))
+        return f"B({word}({self.argument}), {vectors}, {number_text(self.p)})"
+
+
+@dataclass(frozen=True, slots=True)
+class Designated:
+    """KRD(o): a rigid designator of the object is known."""
+
+    argument: Object
+
+    def __str__(self) -> str:
+        return f"KRD({self.argument})"
+
+
+Conjunct = Believed | Estimated | Designated
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Objects exist for which every conjunct is believed; the same object wherever the same variable stands."""
+
+    variables: tuple[str, ...]
+    conjuncts: tuple[Conjunct, ...]
+
+    def __str__(self) -> str:
+        head = f"exists {', '.join(self.variables)}. " if self.variables else ""
+        return head + " & ".join(map(str, self.conjuncts))
+
+    @cached_property
+    def expressions(self) -> dict[str, Lambda]:
+        """The different descriptions by their constants e1, e2, .. in order of appearance."""
+        phis = [conjunct.phi for conjunct in self.conjuncts if isinstance(conjunct, Believed)]
+        found = dict.fromkeys(phi.description for phi in phis if isinstance(phi, Den))
+        return {f"e{index}": description for index, description in enumerate(found, 1)}
+
+    @cached_property
+    def fluents(self) -> tuple[Term, ...]:
+        """The conjuncts as fluents, each once, sorted by text."""
+        constants = {description: constant for constant, description in self.expressions.items()}
+        return tuple(sorted({_fluent(conjunct, constants) for conjunct in self.conjuncts}, key=str))
+
+
+# ---------------------------------------------------------------- terms
+
+
+def object_term(argument: Object) -> Term:
+    """Return `var(o)` for a variable and the anchor's constant for a name."""
+    return compound("var", argument.name) if isinstance(argument, Variable) else argument.name
+
+
+def _fluent(conjunct: Conjunct, constants: dict[Lambda, str]) -> Term:
+    match conjunct:
+        case Designated(argument):
+            return compound("krd", object_term(argument))
+        case Believed(phi, p):
+            return compound("b", _believed_term(phi, constants), nll(p))
+        case Estimated(quantity, argument, mean, sd, tolerance, p):
+            value = ANY if mean is None else _thousandths("v", mean)
+            quantity_term = compound(quantity, object_term(argument))
+            return compound("bn", quantity_term, value, _thousandths("sd", sd), _thousandths("tol", tolerance), nll(p))
+
+
+def _believed_term(phi: Den | Holds | Atom, constants: dict[Lambda, str]) -> Term:
+    match phi:
+        case Den(description, argument):
+            return compound("den", constants[description], object_term(argument))
+        case Holds(words, argument):
+            return compound("holds", Compound("", tuple(map(constant_of, words))), object_term(argument))
+        case Atom(word, (Variable() | Name() as argument,)):
+            return compound("prop", constant_of(word), object_term(argument))
+        case Atom(word, args):
+            return Compound(constant_of(word), tuple(map(argument_term, args)))
+
+
+def argument_term(argument: Argument) -> Term:
+    """Return `var(x)`, an anchor's constant, or `number(thousandths)`."""
+    if isinstance(argument, Number):
+        return compound("number", round(1000 * argument.value))
+    return object_term(argument)
+
+
+def _thousandths(functor: str, vector: tuple[float, ...]) -> Compound:
+    return Compound(functor, tuple(round(1000 * component) for component in vector))
+
+
+def _vector_text(vector: tuple[float, ...] | None) -> str:
+    if vector is None:
+        return ANY
+    text = ", ".join(map(number_text, vector))
+    return text if len(vector) == 1 else f"({text})"

@@ -1,0 +1,133 @@
+"""Gaussian fluents B(phi, mu, Sigma, Delta, p): testing them, and regressing them through an observation.
+
+Bounds are terms in thousandths of the quantity's unit (metres, radians, ln kg, or 0..1 for a colour axis):
+`v(..)` a mean, `sd(..)` the standard deviations of a diagonal Sigma, `tol(..)` the half widths Delta; `any` in a slot
+asks nothing of that axis.
+"""
+
+import math
+from statistics import NormalDist
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.reasoner.protocols import Gaussian
+from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
+from skolem.traces.messages import HsvVolume, Quantity, WeightInterval
+
+_UNIT: Final = 1000.0
+_MOST_OBSERVATIONS: Final = 8  # beyond this many, a band counts as out of the sensor's reach
+_TURN: Final = {
+    "pose": (None, None, 2 * math.pi),
+    "colour": (1.0, None, None),
+    "weight": (None,),
+}  # period of each axis
+
+
+def holds(quantity: Quantity, belief: Gaussian, mu: Term, sigma: Term, delta: Term, p: Term) -> bool:
+    """Return |mu - M| <= Delta and S <= Sigma (Loewner order) and P_b >= p (section "Belief representation")."""
+    if isinstance(p, int) and nll(belief.probability) > p:
+        return False
+    return _covered(belief.covariance, sigma) and _near(quantity, belief.mean, mu, delta)
+
+
+def _covered(covariance: NDArray[np.float64], sigma: Term) -> bool:
+    """Return whether the equi-probability contour of the covariance lies inside Sigma's, on the axes that are asked."""
+    axes = _axes(sigma)
+    if not axes:
+        return True
+    index = [i for i, _ in axes]
+    slack = np.diag([bound**2 for _, bound in axes]) - covariance[np.ix_(index, index)]
+    return float(np.linalg.eigvalsh(slack)[0]) >= -1e-9 * float(np.trace(slack + 2 * covariance[np.ix_(index, index)]))
+
+
+def _near(quantity: Quantity, mean: NDArray[np.float64], mu: Term, delta: Term) -> bool:
+    turns = _TURN[quantity]
+    centre, reach = dict(_axes(mu)), dict(_axes(delta))
+    for axis in sorted(centre.keys() & reach.keys()):
+        distance = centre[axis] - float(mean[axis])
+        turn = turns[axis]
+        if turn is not None:
+            distance = (distance + turn / 2) % turn - turn / 2
+        if abs(distance) > reach[axis]:
+            return False
+    return True
+
+
+def _axes(bound: Term) -> list[tuple[int, float]]:
+    """Return the axes that a bound speaks of, with their values in units."""
+    if not isinstance(bound, Compound):
+        return []
+    return [(i, value / _UNIT) for i, value in enumerate(bound.args) if isinstance(value, int)]
+
+
+def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
+    """Return the Sigma needed before ONE observation so that Sigma holds after it; `any` if the sensor alone suffices.
+
+    The observation's covariance is bounded by a diagonal one (Gershgorin), then each axis is regressed by
+    v_before = v_after v_sensor / (v_sensor - v_after).
+    """
+    if not isinstance(sigma, Compound):
+        return ANY
+    index = [i for i, _ in _axes(sigma)]
+    bound = np.abs(observation[np.ix_(index, index)]).sum(axis=1)
+    needed: dict[int, Term] = {}
+    for (axis, sd), sensor in zip(_axes(sigma), bound.tolist(), strict=True):
+        after = sd**2
+        needed[axis] = ANY if sensor <= after else math.floor(_UNIT * math.sqrt(after * sensor / (sensor - after)))
+    before = tuple(needed.get(axis, ANY) for axis in range(len(sigma.args)))
+    return ANY if all(b == ANY for b in before) else Compound(sigma.name, before)
+
+
+def band(
+    meaning: HsvVolume | WeightInterval, belief: Gaussian, observation: NDArray[np.float64], p: float
+) -> tuple[Term, Term, Term] | None:
+    """Return (mu, Sigma, Delta) such that any belief inside has P(meaning) >= p; None if the sensor cannot get there.
+
+    Sigma is what the fewest observations leave of the present variance; Delta keeps the mean far enough from each edge
+    of the set for an even share p^(1/n) of the mass on each of the n axes.
+    """
+    prior = np.diagonal(belief.covariance).tolist()
+    sensor = np.diagonal(observation).tolist()
+    intervals = _intervals(meaning, belief)
+    margin = NormalDist().inv_cdf((1 + p ** (1 / len(intervals))) / 2)
+    for count in range(1, _MOST_OBSERVATIONS + 1):
+        sds = [
+            math.ceil(_UNIT * math.sqrt(1 / (1 / v + count / max(r, 1e-12))))
+            for v, r in zip(prior, sensor, strict=True)
+        ]
+        inner = [
+            (low if open_low else low + margin * sd / _UNIT, high if open_high else high - margin * sd / _UNIT)
+            for (low, high, open_low, open_high), sd in zip(intervals, sds, strict=True)
+        ]
+        delta = [math.floor(_UNIT * (high - low) / 2) for low, high in inner]
+        if min(delta) > 0:
+            mu = [round(_UNIT * (low + high) / 2) for low, high in inner]
+            return compound("v", *mu), compound("sd", *sds), compound("tol", *delta)
+    return None
+
+
+def _intervals(meaning: HsvVolume | WeightInterval, belief: Gaussian) -> list[tuple[float, float, bool, bool]]:
+    """Return per axis (low, high, low edge open, high edge open); no mass lies beyond an open edge."""
+    if isinstance(meaning, WeightInterval):
+        far = max(float(belief.mean[0]), math.log(max(meaning.at_least_kg, 1e-3))) + 6 * math.sqrt(
+            belief.covariance[0, 0]
+        )
+        near = min(float(belief.mean[0]), far) - 12 * math.sqrt(belief.covariance[0, 0])
+        low = math.log(meaning.at_least_kg) if meaning.at_least_kg > 0 else near
+        high = math.log(meaning.below_kg) if meaning.below_kg is not None else far
+        return [(low, high, meaning.at_least_kg <= 0, meaning.below_kg is None)]
+    hue_low, hue_high = meaning.hue
+    hue = (hue_low, hue_high if hue_high >= hue_low else hue_high + 1.0, False, False)
+    return [hue, *((low, high, low <= 0, high >= 1) for low, high in (meaning.saturation, meaning.value))]
+
+
+def before_reading(p: float, right: float) -> float:
+    """Return the belief needed before a discrete reading that is right with probability `right`, to believe p after.
+
+    Never below .2 nor more than .2 below p: one reading is not trusted to turn the belief around.
+    """
+    wrong = 1 - right
+    needed = p * wrong / (p * wrong + (1 - p) * right) if p < 1 else 1.0
+    return max(0.2, needed, p - 0.2)

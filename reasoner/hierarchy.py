@@ -1,0 +1,165 @@
+"""The plan stack: which step to take now, which plans still apply, which are dropped and why.
+
+Layer 0 is a plan for the goal; each further layer is a plan for the subgoal of the step chosen in the layer above, one
+abstraction level lower for the operations that are on the stack already (postponed preconditions, Sacerdoti). After
+every observation the stack is walked from the top: the last step whose pre-image holds is taken, and layers that do
+not apply any more are popped.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from skolem.reasoner.instances import Instance, title
+from skolem.reasoner.patterns import mentions
+from skolem.reasoner.regression import Step, Subgoal
+from skolem.reasoner.terms import Term, substitute
+from skolem.traces.messages import Plan, PlanCause, PlanStep
+
+Binding = Mapping[Term, Term]
+Satisfied = Callable[[Subgoal], Binding | None]  # the binding of Skolem constants under which all fluents hold
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What happened to the stack: logged as the cause of a `Plan` message."""
+
+    cause: PlanCause
+    false_fluents: tuple[Term, ...] = ()
+
+
+class PlanStack:
+    """Layers of steps in execution order, and the step chosen in each."""
+
+    def __init__(self) -> None:
+        self._layers: list[list[Step]] = []
+        self._chosen: list[int] = []
+
+    def __len__(self) -> int:
+        return len(self._layers)
+
+    def push(self, steps: Iterable[Step]) -> None:
+        """Add a plan for the step chosen last; its first step is chosen."""
+        self._layers.append(list(steps))
+        self._chosen.append(0)
+
+    def clear(self) -> None:
+        """Drop every plan."""
+        self._cut(0)
+
+    def current(self) -> Step | None:
+        """Return the step chosen in the lowest layer."""
+        return self._layers[-1][self._chosen[-1]] if self._layers else None
+
+    def level_of(self, instance: Instance) -> int:
+        """Return 1 + the highest level of the same operation among the steps being refined, 0 if there is none."""
+        chosen = [layer[i] for layer, i in zip(self._layers, self._chosen, strict=True)]
+        return max((s.level + 1 for s in chosen if s.instance.called == instance.called), default=0)
+
+    def select(self, satisfied: Satisfied, false_in: Callable[[Subgoal], list[Term]]) -> list[Change]:
+        """Choose a step in every layer for the present belief, pop layers that do not apply; return what changed."""
+        changes: list[Change] = []
+        above: Step | None = None
+        envelopes = self._envelopes()
+        for i, layer in enumerate(self._layers):
+            final = layer[-1].subgoal
+            if above is not None and final != above.subgoal:
+                return [*changes, self._popped(i, Change("popped"))]
+            if satisfied(final) is not None:
+                return [*changes, self._popped(i, Change("popped"))]
+            choice = self._last_applicable(i, envelopes[i], satisfied, changes)
+            if choice is None:
+                lost = sorted({f for step in layer for f in false_in(step.preimage)}, key=str)
+                return [*changes, self._popped(i, Change("preimage_lost", tuple(lost)))]
+            if choice != self._chosen[i]:
+                changes.append(Change("skipped_forward" if choice > self._chosen[i] else "fell_back"))
+                self._chosen[i] = choice
+                self._cut(i + 1)
+                return changes
+            above = layer[choice]
+        return changes
+
+    def _last_applicable(
+        self, i: int, envelopes: list[list[Subgoal]], satisfied: Satisfied, changes: list[Change]
+    ) -> int | None:
+        for j in range(len(self._layers[i]) - 1, -1, -1):
+            for envelope in envelopes[j]:
+                binding = satisfied(envelope)
+                if binding is None:
+                    continue
+                if binding:
+                    self._bind(i, j, binding)
+                    changes.append(Change("bind_skolem"))
+                return j
+        return None
+
+    def _envelopes(self) -> list[list[list[Subgoal]]]:
+        """Return per layer and step the conjunctions in any of which the step may go on.
+
+        The pre-image of a step being refined is widened by those of the layer below, so that work in progress (the base
+        elsewhere, an object in the hand) does not drop the plan it serves.
+        """
+        out: list[list[list[Subgoal]]] = [[] for _ in self._layers]
+        for i in range(len(self._layers) - 1, -1, -1):
+            out[i] = [[step.preimage] for step in self._layers[i]]
+            if i + 1 < len(self._layers):
+                for lower in out[i + 1]:
+                    out[i][self._chosen[i]].extend(lower)
+        return out
+
+    def _bind(self, i: int, j: int, binding: Binding) -> None:
+        """Replace Skolem constants by the anchors they turned out to be, from step j of layer i on."""
+        bound = [_bound(step, binding) if k >= j else step for k, step in enumerate(self._layers[i])]
+        self._layers[i] = bound
+        self._cut(i + 1)
+
+    def _popped(self, i: int, change: Change) -> Change:
+        self._cut(i)
+        return change
+
+    def _cut(self, length: int) -> None:
+        del self._layers[length:]
+        del self._chosen[length:]
+
+    def message(self, step: int, change: Change) -> Plan:
+        """Return the stack as it stands, for the trace."""
+        return Plan(
+            step=step,
+            cause=change.cause,
+            false_fluents=tuple(map(str, change.false_fluents)),
+            layers=tuple(tuple(map(_plan_step, layer)) for layer in self._layers),
+            current=tuple(self._chosen),
+        )
+
+
+def _bound(step: Step, binding: Binding) -> Step:
+    def apply(term: Term) -> Term:
+        return substitute(term, binding)
+
+    instance = step.instance
+    return replace(
+        step,
+        instance=replace(
+            instance,
+            step=apply(instance.step),
+            called=apply(instance.called),
+            executes=None if instance.executes is None else apply(instance.executes),
+        ),
+        subgoal=frozenset(map(apply, step.subgoal)),
+        preimage=frozenset(map(apply, step.preimage)),
+    )
+
+
+def has_placeholder(goal: Subgoal) -> bool:
+    """Return whether a Skolem constant occurs in the conjunction."""
+    return any(mentions(fluent, "sk") for fluent in goal)
+
+
+def _plan_step(step: Step) -> PlanStep:
+    return PlanStep(
+        op=title(step.instance.called),
+        level=step.level,
+        concrete=step.instance.concrete,
+        cost=min(step.instance.price, 50_000_000),
+        subgoal=tuple(sorted(map(str, step.subgoal))),
+        preimage=tuple(sorted(map(str, step.preimage))),
+    )

@@ -1,0 +1,90 @@
+"""What fluents say of one another: which one entails, excludes or is destroyed.
+
+Patterns come from the rules: `any` matches every term, `same(X)` the same term wherever X occurs, `other(X)` a term
+that differs from the one `same(X)` matched.
+"""
+
+from collections.abc import Iterable, Mapping
+
+from skolem.reasoner.terms import ANY, Compound, Term
+
+_AT_MOST = {"b": (1,), "bn": (2, 3, 4)}  # arguments in which a smaller value demands more
+
+
+def entails(fluent: Term, wanted: Term) -> bool:
+    """Return whether `fluent` makes `wanted` true: equal, or a belief at least as strong about the same thing."""
+    if fluent == wanted:
+        return True
+    if not isinstance(fluent, Compound) or not isinstance(wanted, Compound) or fluent.name != wanted.name:
+        return False
+    bounds = _AT_MOST.get(fluent.name)
+    if bounds is None or len(fluent.args) != len(wanted.args):
+        return False
+    return all(
+        within(have, want) if i in bounds else have == want or (i > 0 and want == ANY)
+        for i, (have, want) in enumerate(zip(fluent.args, wanted.args, strict=True))
+    )
+
+
+def within(bound: Term, limit: Term) -> bool:
+    """Return whether a bound, a number or a tuple of numbers such as sd(8, 8, any), is at least as tight as another."""
+    if limit == ANY:
+        return True
+    if isinstance(bound, int) and isinstance(limit, int):
+        return bound <= limit
+    if isinstance(bound, Compound) and isinstance(limit, Compound) and len(bound.args) == len(limit.args):
+        return all(map(within, bound.args, limit.args))
+    return False
+
+
+class Mutexes:
+    """The exclusions of `mutex.lp`, asked for pairs of ground fluents."""
+
+    def __init__(self, pairs: Iterable[tuple[Term, Term]]) -> None:
+        self._pairs = tuple(pairs)
+        self._memo: dict[tuple[Term, Term], bool] = {}
+
+    def exclude(self, fluent: Term, other: Term) -> bool:
+        """Return whether both fluents can never hold together."""
+        key = (fluent, other)
+        if key not in self._memo:
+            self._memo[key] = any(_both(f, g, fluent, other) or _both(f, g, other, fluent) for f, g in self._pairs)
+        return self._memo[key]
+
+
+def _both(pattern: Term, pattern2: Term, fluent: Term, fluent2: Term) -> bool:
+    binding: dict[Term, Term] = {}
+    if not _bind(pattern, fluent, binding) or not _bind(pattern2, fluent2, binding):
+        return False
+    return _differs(pattern, fluent, binding) and _differs(pattern2, fluent2, binding)
+
+
+def _bind(pattern: Term, term: Term, binding: dict[Term, Term]) -> bool:
+    """Match all but `other(..)`, collecting what each `same(..)` stands for."""
+    if pattern == ANY:
+        return True
+    if isinstance(pattern, Compound) and pattern.name == "other":
+        return True
+    if isinstance(pattern, Compound) and pattern.name == "same":
+        return binding.setdefault(pattern.args[0], term) == term
+    if not isinstance(pattern, Compound) or not isinstance(term, Compound):
+        return pattern == term
+    if pattern.name != term.name or len(pattern.args) != len(term.args):
+        return False
+    return all(_bind(p, t, binding) for p, t in zip(pattern.args, term.args, strict=True))
+
+
+def _differs(pattern: Term, term: Term, binding: Mapping[Term, Term]) -> bool:
+    """Check each `other(X)` of a pattern that has matched."""
+    if not isinstance(pattern, Compound):
+        return True
+    if pattern.name == "other":
+        return binding.get(pattern.args[0]) != term
+    if pattern.name == "same" or not isinstance(term, Compound):
+        return True
+    return all(_differs(p, t, binding) for p, t in zip(pattern.args, term.args, strict=True))
+
+
+def mentions(term: Term, name: str) -> bool:
+    """Return whether a compound of that name occurs in the term."""
+    return isinstance(term, Compound) and (term.name == name or any(mentions(a, name) for a in term.args))

@@ -1,0 +1,127 @@
+"""The questions that rules may ask of the belief: each public method of `Queries` is an @function of the rule files.
+
+Pure functions of (belief version, arguments): clingo may call one several times. Probabilities cross as -ln p in
+integer micro-nats, no answer is an empty list.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from skolem.reasoner import gaussians
+from skolem.reasoner.situation import Situation, hand_named, quantity_named
+from skolem.reasoner.terms import Compound, Term, nll, prob
+from skolem.traces.messages import TypeIs
+
+_IMPLAUSIBLE: Final = 6_907_755  # micro-nats, p = .001: anchors less likely than this are not worth an examination
+_MOST_ANCHORS: Final = 8
+_REPEATED: Final = 0.5
+
+Alternatives = Mapping[str, tuple[tuple[str, ...], ...]]  # expression -> sets of properties, each enough for it
+
+
+class Queries:
+    """Answers for one situation."""
+
+    def __init__(self, situation: Situation, alternatives: Alternatives) -> None:
+        self._now = situation
+        self._alternatives = alternatives
+
+    def anchors(self) -> list[Term]:
+        """Every anchor believed to exist."""
+        return list(self._now.anchors())
+
+    def rigid(self, obj: Term) -> Term:
+        """1 if the term is an anchor, a rigid designator, else 0."""
+        return int(obj in self._now.anchors())
+
+    def plausible(self, expression: str) -> list[Term]:
+        """The anchors that the description may denote, likeliest first."""
+        priced = [(nll(self._den(expression, a)), i, a) for i, a in enumerate(self._now.anchors())]
+        return [a for cost, _, a in sorted(priced)[:_MOST_ANCHORS] if cost <= _IMPLAUSIBLE]
+
+    def present(self, expression: str, anchor: str) -> Term:
+        """-ln P_p: how likely the description denotes the anchor now."""
+        return nll(self._den(expression, anchor))
+
+    def props_for(self, expression: str, anchor: str, p: int) -> list[Term]:
+        """PropsFor: of each set of properties that suffices, those believed less than their even share of the bound."""
+        found: list[Term] = []
+        for words in self._alternatives[expression]:
+            share = p // len(words)
+            unsure = [w for w in words if self.believed(w, anchor) > share]
+            found.append(Compound("", tuple(unsure or words)))
+        return found
+
+    def portion(self, expression: str, props: Compound, anchor: str, p: int) -> Term:
+        """The part of the bound that falls to `props`: an even share for each property of the set it comes from."""
+        sizes = [len(words) for words in self._alternatives[expression] if set(props.args) <= set(words)]
+        return p * len(props.args) // max(sizes)
+
+    def each(self, props: Compound) -> list[Term]:
+        """(number of properties, property) for each of them."""
+        return [Compound("", (len(props.args), word)) for word in props.args]
+
+    def believed(self, word: str, anchor: str) -> int:
+        """-ln P(the anchor has the property)."""
+        return nll(self._now.prob_word(word, anchor))
+
+    def favourable(self, word: str, anchor: str, p: int) -> Term:
+        """-ln P(one observation lifts the belief in the property to the bound | the property is true).
+
+        Never dearer than even odds, since an observation that falls short can be repeated.
+        """
+        return nll(max(_REPEATED, self._now.belief.prob_favourable(anchor, self._now.meanings[word], prob(p))))
+
+    def band(self, word: str, anchor: str, p: int) -> list[Term]:
+        """(mu, Sigma, Delta) of the quantity so that the property follows; nothing if no observation gets there."""
+        meaning = self._now.meanings[word]
+        if isinstance(meaning, TypeIs):
+            return []
+        found = gaussians.band(
+            meaning,
+            self._now.belief.gaussian(meaning.quantity, anchor),
+            self._now.belief.observation_covariance(meaning.quantity, anchor),
+            prob(p),
+        )
+        return [] if found is None else [Compound("", found)]
+
+    def before_look(self, quantity: str, anchor: str, sigma: Term) -> Term:
+        """Sigma needed before one observation of the quantity; `any` if the sensor alone suffices."""
+        sensor = self._now.belief.observation_covariance(quantity_named(quantity), anchor)
+        return gaussians.before_observation(sigma, sensor)
+
+    def before_reading(self, anchor: str, word: str, p: int) -> Term:
+        """-ln of the belief in a type needed before one favourable look."""
+        return nll(gaussians.before_reading(prob(p), self._now.belief.prob_type_right()))
+
+    def detected(self, anchor: str) -> Term:
+        """-ln P(a look reports the object)."""
+        return nll(self._now.belief.prob_detected(anchor))
+
+    def in_hand(self, hand: str) -> list[Term]:
+        """The anchor in that hand, if any."""
+        held = self._now.belief.held(hand_named(hand))
+        return [] if held is None else [held]
+
+    def graspable(self, anchor: str) -> Term:
+        """1 if a hand can close on the anchor's most likely type, else 0."""
+        return int(self._now.belief.graspable(anchor))
+
+    def supports(self) -> list[Term]:
+        """Anchors things can be put on: those no hand can hold."""
+        return [a for a in self._now.anchors() if not self._now.belief.graspable(a)]
+
+    def yaw_observable(self, anchor: str) -> Term:
+        """1 if a look tells the object's yaw, 0 if it cannot, as for a cylinder."""
+        sd = math.sqrt(float(self._now.belief.observation_covariance("pose", anchor)[2, 2]))
+        return int(sd < math.pi / 4)
+
+    def _den(self, expression: str, anchor: str) -> float:
+        return self._now.probability(Compound("den", (expression, anchor)))
+
+
+def sets_of_properties(alternatives: Sequence[frozenset[str]]) -> tuple[tuple[str, ...], ...]:
+    """Return alternatives in a fixed order, smallest first, without supersets."""
+    minimal = [a for a in alternatives if a and not any(b < a for b in alternatives)]
+    return tuple(sorted({tuple(sorted(a)) for a in minimal}, key=lambda words: (len(words), words)))

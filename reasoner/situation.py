@@ -1,0 +1,154 @@
+"""Which fluents hold now: the one place where terms of the rules meet the belief and the geometry.
+
+A `Situation` is one version of the belief; every answer is kept for as long as that version lasts.
+"""
+
+from collections.abc import Callable, Mapping
+
+from skolem.reasoner import gaussians
+from skolem.reasoner.patterns import mentions
+from skolem.reasoner.protocols import Activity, BeliefQueries, Geometry
+from skolem.reasoner.terms import ANY, Compound, Term, nll
+from skolem.traces.errors import InternalError
+from skolem.traces.messages import HANDS, Hand, Meaning, Quantity
+
+QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")
+Denotation = Callable[[str, str], float]  # (expression constant, anchor) -> P(Den)
+
+
+class Situation:
+    """Truth and probability of fluents in one belief."""
+
+    def __init__(
+        self, belief: BeliefQueries, geometry: Geometry, denotation: Denotation, meanings: Mapping[str, Meaning]
+    ) -> None:
+        self.belief = belief
+        self.geometry = geometry
+        self.meanings = meanings
+        self._denotation = denotation
+        self._anchors = belief.anchors()
+        self._holds: dict[Term, bool] = {}
+        self._probability: dict[Term, float] = {}
+
+    def holds(self, fluent: Term) -> bool:
+        """Return whether a ground fluent is true now; nothing is true of a Skolem constant.
+
+        Raises:
+            InternalError: If the fluent is of a kind no rule may use.
+        """
+        if fluent not in self._holds:
+            self._holds[fluent] = not mentions(fluent, "sk") and self._evaluate(fluent)
+        return self._holds[fluent]
+
+    def probability(self, phi: Term) -> float:
+        """Return P(phi) for what a `b(phi, p)` is about."""
+        if phi not in self._probability:
+            self._probability[phi] = self._probability_of(phi)
+        return self._probability[phi]
+
+    def anchors(self) -> tuple[str, ...]:
+        """Return the universe: every anchor believed to exist, in order of introduction."""
+        return self._anchors
+
+    def _evaluate(self, fluent: Term) -> bool:
+        match fluent:
+            case Compound("b", (phi, int(p))):
+                return nll(self.probability(phi)) <= p
+            case Compound("bn", (Compound(quantity, (str(anchor),)), mu, sigma, delta, p)):
+                return self._gaussian_holds(quantity, anchor, mu, sigma, delta, p)
+            case Compound("krd", (str(anchor),)):
+                return anchor in self._anchors
+            case Compound("holding", (str(anchor),)):
+                return self.hand_of(anchor) is not None
+            case Compound("loose", (str(anchor),)):
+                return self.hand_of(anchor) is None
+            case Compound("held", (str(hand), str(anchor))):
+                return self.belief.held(hand_named(hand)) == anchor
+            case Compound("empty", (str(hand),)):
+                return self.belief.held(hand_named(hand)) is None
+            case Compound("at", (activity,)):
+                wanted = self.activity(activity)
+                return wanted is not None and self.geometry.ready(wanted) is not None
+        raise InternalError(f"the rules ask for {fluent}, which is not a fluent the belief or the geometry can answer")
+
+    def _gaussian_holds(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term, p: Term) -> bool:
+        if anchor not in self._anchors:
+            return False
+        if quantity == "pose" and mu == ANY and self.hand_of(anchor) is not None:
+            return True
+        known = quantity_named(quantity)
+        return gaussians.holds(known, self.belief.gaussian(known, anchor), mu, sigma, delta, p)
+
+    def _probability_of(self, phi: Term) -> float:
+        match phi:
+            case Compound("den", (str(expression), str(anchor))):
+                return self._denotation(expression, anchor)
+            case Compound("on", (str(anchor), str(support))):
+                return self.belief.prob_on(anchor, support)
+            case Compound("prop" | "supposed", (str(word), str(anchor))):
+                return self.prob_word(word, anchor)
+            case Compound("type", (str(anchor), str(word))):
+                return self.prob_word(word, anchor)
+            case Compound("holds", (Compound("", words), str(anchor))):
+                product = 1.0
+                for each in words:
+                    product *= self.prob_word(str(each), anchor)
+                return product
+        raise InternalError(f"the rules ask for the probability of {phi}, which the belief cannot answer")
+
+    def prob_word(self, word: str, anchor: str) -> float:
+        """Return P(the object has the property), given that it exists.
+
+        Raises:
+            InternalError: If the vocabulary has no such word.
+        """
+        if word not in self.meanings:
+            raise InternalError(f"no property {word!r}; there are: {', '.join(sorted(self.meanings))}")
+        return self.belief.prob_property(anchor, self.meanings[word])
+
+    def hand_of(self, anchor: str) -> Hand | None:
+        """Return the hand that holds the anchor."""
+        return next((hand for hand in HANDS if self.belief.held(hand) == anchor), None)
+
+    def activity(self, term: Term) -> Activity | None:
+        """Return what `look(o)`, `pick(h, o)`, `place(o, s)` or `weigh(o)` asks of the geometry; None if it cannot be.
+
+        Raises:
+            InternalError: If there is no such activity.
+        """
+        match term:
+            case Compound("look", (str(anchor),)):
+                return Activity("look", anchor) if self.hand_of(anchor) is None else None
+            case Compound("pick", (str(hand), str(anchor))):
+                return Activity("pick", anchor, hand_named(hand))
+            case Compound("place", (str(anchor), str(support))):
+                holder = self.hand_of(anchor)
+                return None if holder is None else Activity("place", anchor, holder, support)
+            case Compound("weigh", (str(anchor),)):
+                holder = self.hand_of(anchor)
+                return None if holder is None else Activity("weigh", anchor, holder)
+        raise InternalError(f"the rules name the activity {term}; there are look/1, pick/2, place/2 and weigh/1")
+
+
+def hand_named(name: str) -> Hand:
+    """Return the hand of that name.
+
+    Raises:
+        InternalError: If there is none.
+    """
+    for hand in HANDS:
+        if hand == name:
+            return hand
+    raise InternalError(f"the rules name the hand {name!r}; there are {', '.join(HANDS)}")
+
+
+def quantity_named(name: str) -> Quantity:
+    """Return the quantity of that name.
+
+    Raises:
+        InternalError: If there is none.
+    """
+    for quantity in QUANTITIES:
+        if quantity == name:
+            return quantity
+    raise InternalError(f"the rules name the quantity {name!r}; there are {', '.join(QUANTITIES)}")
