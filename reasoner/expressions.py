@@ -23,6 +23,7 @@ QUANTITIES: Final[dict[str, "QuantityName"]] = {
     "Pose": "pose",
     "Weight": "weight",
 }
+RESERVED_WORDS: Final = frozenset({"B", "KRD", "Den", "Holds", "And", "Or", "Exists", *QUANTITIES, *SPATIAL})
 DIMENSIONS: Final = {"pose": 3, "colour": 3, "weight": 1}
 QuantityName = Literal["pose", "colour", "weight"]
 

@@ -47,7 +47,6 @@ from skolem.traces.errors import Fault, InputError
 
 MAX_NUMBER: Final = 1_000_000  # thousandths of it fit clingo's integers
 KEYWORDS: Final = frozenset({"exists", "lambda", ANY, *REFUSED})
-RESERVED_WORDS: Final = frozenset({"B", "KRD", "Den", "Holds", "And", "Or", "Exists", *QUANTITIES, *SPATIAL})
 _OBJECT_NAME: Final = re.compile(r"_*[a-z]\w*", re.ASCII)
 
 _T = TypeVar("_T")

@@ -12,7 +12,7 @@ roots and names are given.
 import heapq
 import itertools
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from skolem.reasoner.instances import Instance, title
@@ -89,6 +89,9 @@ def regress(
 ) -> Found:
     """Return the cheapest plan that makes all fluents of one of `roots` true.
 
+    Steps achieve fluents that are false now; only if there is no such plan, steps that achieve again what an earlier
+    one destroyed are tried too.
+
     Args:
         roots: Conjunctions of ground fluents, best first where costs are equal.
         offers: Rule instances and the truth of fluents now.
@@ -97,6 +100,23 @@ def regress(
         max_expansions: Nodes to expand before giving up.
         max_cost: Plans dearer than this are not worth trying, micro-nats.
     """
+    found = search(roots, offers, level_of, refused, max_expansions, max_cost, again=False)
+    if found.steps is None and found.exhausted:
+        second = search(roots, offers, level_of, refused, max_expansions, max_cost, again=True)
+        found = replace(second, expansions=found.expansions + second.expansions)
+    return found
+
+
+def search(
+    roots: Sequence[Subgoal],
+    offers: Offers,
+    level_of: Callable[[Instance], int],
+    refused: Callable[[Instance, int], bool],
+    max_expansions: int,
+    max_cost: int,
+    again: bool,
+) -> Found:
+    """Return the cheapest plan as `regress` does; `again` says whether fluents that hold now may be achieved again."""
     serial = itertools.count()
     queue: list[_Entry] = [(0, 0, 0, next(serial), root, ()) for root in roots]
     considered: dict[str, Candidate] = {}
@@ -111,7 +131,7 @@ def regress(
         if len(seen) >= max_expansions:
             return Found(None, 0, len(seen), _sorted(considered), exhausted=False)
         seen.add(goal)
-        for instance in _achievers(open_fluents, goal, offers):
+        for instance in _achievers(open_fluents, goal, offers, again):
             level = min(level_of(instance), instance.concrete)
             before, reason = _regressed(instance, level, goal, offers.mutexes)
             if reason is None and refused(instance, level):
@@ -132,18 +152,17 @@ def _sorted(considered: dict[str, Candidate]) -> tuple[Candidate, ...]:
     return tuple(sorted(considered.values(), key=lambda c: (c.cost, c.op)))
 
 
-def _achievers(open_fluents: Iterable[Term], goal: Subgoal, offers: Offers) -> list[Instance]:
+def _achievers(open_fluents: Sequence[Term], goal: Subgoal, offers: Offers, again: bool) -> list[Instance]:
     """Return the instances to expand, cheapest first; only those of one fluent if they are immediate."""
-    false_now = list(open_fluents)
-    for fluent in false_now:
+    for fluent in open_fluents:
         immediate = [i for i in offers.offers(fluent) if i.immediate]
         if immediate:
             return immediate
     merged: dict[Term, Instance] = {}
-    for fluent in false_now:
+    for fluent in sorted(goal, key=str) if again else open_fluents:
         for instance in offers.offers(fluent):
             merged[instance.step] = merged[instance.step].merged(instance) if instance.step in merged else instance
-    for fluent in sorted(goal.difference(false_now), key=str):
+    for fluent in [] if again else sorted(goal.difference(open_fluents), key=str):
         for instance in offers.offers(fluent):
             if instance.step in merged:
                 merged[instance.step] = merged[instance.step].merged(instance)

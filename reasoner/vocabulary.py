@@ -7,7 +7,7 @@ from itertools import combinations
 from typing import Final
 
 from skolem.reasoner.cursor import REFUSED
-from skolem.reasoner.expressions import QUANTITIES, SPATIAL, word_of
+from skolem.reasoner.expressions import RESERVED_WORDS, SPATIAL, word_of
 from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.traces.errors import Fault
 from skolem.traces.messages import HsvVolume, Meaning, ObjectType, TypeIs, WeightInterval
@@ -16,7 +16,6 @@ from skolem.traces.messages import HsvVolume, Meaning, ObjectType, TypeIs, Weigh
 WORD_FACTS: Final = {"type": 1, "graspable": 1, "box": 4, "cylinder": 4, "table": 4, "colour": 7, "weight": 3}
 SHAPES: Final = ("box", "cylinder", "table")
 _WORD: Final = re.compile(r"[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*")
-_TAKEN: Final = frozenset({"B", "KRD", "Den", "Holds", "And", "Or", "Exists", *QUANTITIES, *SPATIAL})
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +87,7 @@ def _replaced(facts: Sequence[tuple[Compound, Place]], faults: list[Fault]) -> _
         word = fact.args[0]
         if not isinstance(word, str) or not _WORD.fullmatch(word):
             faults.append(place.fault(f"expected a word in lower case such as soda_box, found {word}"))
-        elif word_of(word) in _TAKEN or word == ANY or word in REFUSED:
+        elif word_of(word) in RESERVED_WORDS or word == ANY or word in REFUSED:
             faults.append(place.fault(f"{word!r} cannot be a word: the goal language uses it"))
         elif word in chosen[fact.name] and chosen[fact.name][word][1].own == place.own:
             before = chosen[fact.name][word]
@@ -138,7 +137,7 @@ def _colour(fact: Compound, place: Place, faults: list[Fault]) -> HsvVolume | No
         return None
     hue, rest = values[:2], values[2:]
     problems = [f"hue from {hue[0]} to {hue[1]} is empty"] if hue[0] == hue[1] else []
-    for name, low, high in (("saturation", *rest[:2]), ("value", *rest[2:])):
+    for name, (low, high) in (("saturation", rest[:2]), ("value", rest[2:])):
         if not low < high <= 100:
             problems.append(f"{name} must rise and end at 100 percent at most, found {low} to {high}")
     faults += [place.fault(f"colour {fact.args[0]}: {problem}") for problem in problems]

@@ -1,0 +1,162 @@
+"""Test doubles for the reasoner: a belief and a geometry that are tables, changed by hand between turns."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.reasoner.protocols import Activity, Gaussian
+from skolem.traces.messages import (
+    Belief,
+    Command,
+    Hand,
+    HsvVolume,
+    LookAt,
+    Meaning,
+    MoveBase,
+    Pick,
+    Place,
+    Quantity,
+    TypeIs,
+    Weigh,
+    WeightInterval,
+)
+
+_STILL = ((0.0,) * 7,)
+
+
+@dataclass
+class Thing:
+    """What is believed of one anchor, as plain numbers."""
+
+    types: dict[str, float]
+    on: str | None = None
+    hand: Hand | None = None
+    colours: dict[tuple[float, float], float] = field(default_factory=dict)  # hue interval -> probability
+    hsv: tuple[float, float, float] = (0.5, 0.6, 0.6)
+    hsv_sd: float = 0.4
+    ln_kg: tuple[float, float] = (math.log(0.3), 0.6)
+    pose_sd: float = 0.03
+    exists: float = 1.0
+
+
+class TableBelief:
+    """Satisfies `BeliefQueries`; `changed()` after every edit."""
+
+    def __init__(self, things: dict[str, Thing]) -> None:
+        self.things = things
+        self._version = 0
+
+    def changed(self) -> None:
+        self._version += 1
+
+    @property
+    def version(self) -> int:
+        return self._version
+
+    def anchors(self) -> tuple[str, ...]:
+        return tuple(a for a, t in self.things.items() if t.exists >= 0.5)
+
+    def prob_exists(self, anchor: str) -> float:
+        return self.things[anchor].exists if anchor in self.things else 0.0
+
+    def prob_property(self, anchor: str, meaning: Meaning) -> float:
+        thing = self.things[anchor]
+        match meaning:
+            case TypeIs(type=name):
+                return thing.types.get(name, 0.0)
+            case HsvVolume(hue=hue):
+                width = (hue[1] - hue[0]) % 1.0
+                offset = abs((thing.hsv[0] - hue[0] - width / 2 + 0.5) % 1.0 - 0.5)
+                return _normal_cdf((width / 2 - offset) / thing.hsv_sd) - _normal_cdf(
+                    (-width / 2 - offset) / thing.hsv_sd
+                )
+            case WeightInterval(at_least_kg=low, below_kg=high):
+                mean, sd = thing.ln_kg
+                upper = 1.0 if high is None else _normal_cdf((math.log(high) - mean) / sd)
+                return upper - (_normal_cdf((math.log(low) - mean) / sd) if low > 0 else 0.0)
+
+    def prob_on(self, anchor: str, support: str) -> float:
+        thing = self.things[anchor]
+        return 0.98 if thing.on == support and thing.hand is None else 0.0
+
+    def graspable(self, anchor: str) -> bool:
+        return "table" not in self.things[anchor].types
+
+    def held(self, hand: Hand) -> str | None:
+        return next((a for a, t in self.things.items() if t.hand == hand), None)
+
+    def gaussian(self, quantity: Quantity, anchor: str) -> Gaussian:
+        thing = self.things[anchor]
+        if quantity == "weight":
+            return Gaussian(np.array([thing.ln_kg[0]]), np.array([[thing.ln_kg[1] ** 2]]), thing.exists)
+        if quantity == "colour":
+            return Gaussian(np.array(thing.hsv), np.eye(3) * thing.hsv_sd**2, thing.exists)
+        return Gaussian(np.zeros(3), np.diag([thing.pose_sd**2, thing.pose_sd**2, 4.0]), thing.exists)
+
+    def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
+        del anchor
+        if quantity == "weight":
+            return np.array([[0.1**2]])
+        if quantity == "colour":
+            return np.diag([0.01, 0.03, 0.03]) ** 2
+        return np.diag([0.005, 0.005, 2.0]) ** 2
+
+    def prob_detected(self, anchor: str) -> float:
+        del anchor
+        return 0.95
+
+    def prob_type_right(self) -> float:
+        return 0.95
+
+    def prob_favourable(self, anchor: str, meaning: Meaning, p: float) -> float:
+        del anchor, meaning, p
+        return 0.9
+
+
+class TableGeometry:
+    """Everything is possible from where it is possible: `at` names the activity the base stands for."""
+
+    def __init__(self) -> None:
+        self.at: set[str] = set()
+        self.impossible: set[str] = set()
+        self.asked: list[str] = []
+
+    def sync(self, belief: Belief) -> None:
+        del belief
+
+    def drive(self, activity: str) -> None:
+        """Stand where `activity` can be done; where an object can be picked it is seen too."""
+        self.at = {activity}
+        if activity.startswith("pick("):
+            self.at.add(f"look({activity.removesuffix(')').split(', ')[1]})")
+
+    def ready(self, activity: Activity) -> Command | None:
+        self.asked.append(f"ready {activity}")
+        if activity.kind == "weigh":
+            return Weigh(hand=activity.hand or "right")
+        if str(activity) not in self.at:
+            return None
+        return _command(activity)
+
+    def approach(self, activity: Activity) -> MoveBase | None:
+        self.asked.append(f"approach {activity}")
+        return (
+            None if str(activity) in self.impossible else MoveBase(start_T_waypoint=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
+        )
+
+
+def _command(activity: Activity) -> Command:
+    hand: Hand = activity.hand or "right"
+    if activity.kind == "look":
+        return LookAt(pan=0.0, tilt=0.5)
+    if activity.kind == "pick":
+        return Pick(
+            hand=hand, approach=_STILL, reach=_STILL, lift=_STILL, carry=_STILL, tool_T_object=(0.0, 0.0, -0.05, 0.0)
+        )
+    return Place(hand=hand, approach=_STILL, lower=_STILL, retreat=_STILL, carry=_STILL)
+
+
+def _normal_cdf(x: float) -> float:
+    return 0.5 * (1.0 + math.erf(x / math.sqrt(2.0)))
