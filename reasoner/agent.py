@@ -20,7 +20,7 @@ from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import Compound, Term, compound, nll, substitute
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import Action, Command, Decision, Limits, Plan, RunEnd, RunStatus
+from skolem.traces.messages import Action, Command, Decision, Limits, Plan, PlanCause, RunEnd, RunStatus
 
 
 @dataclass(slots=True)
@@ -94,7 +94,7 @@ class Agent:
     def _instantiations(self) -> tuple[Subgoal, ...]:
         """Return the goal once per choice of what its variables stand for, as the rules offer them."""
         if self._roots is None:
-            facts = [compound("goal", f) for f in self._goal.fluents] + [compound("open", v) for v in self._variables]
+            facts = [compound("posed", f) for f in self._goal.fluents] + [compound("open", v) for v in self._variables]
             offered = self._offers.ask(facts).get("instance", []) if self._variables else []
             places = {anchor: i for i, anchor in enumerate(self._situation.anchors())}
             choices = [
@@ -143,8 +143,10 @@ class Agent:
                 self._refine(turn, step, current)
 
     def _refine(self, turn: Turn, step: int, current: Step) -> None:
-        if len(self._stack) < self._limits.hierarchy_depth:
-            self._plan(turn, step, (current.subgoal,), "refine")
+        """Plan for the chosen step's subgoal one level deeper: with the same operation if that can be, else anyhow."""
+        for final in (current.instance.called, None):
+            if self._stack.current() is current and len(self._stack) < self._limits.hierarchy_depth:
+                self._plan(turn, step, (current.subgoal,), "refine", final)
         if self._stack.current() is current:
             self._refuse(turn, step, current)
 
@@ -155,7 +157,9 @@ class Agent:
         while changes := self._stack.select(self._satisfied, false_in):
             turn.plans.extend(self._stack.message(step, change) for change in changes)
 
-    def _plan(self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: str) -> None:
+    def _plan(
+        self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: PlanCause, final: Term | None = None
+    ) -> None:
         calls, atoms = self._offers.calls, self._offers.ground_atoms
         found = regress(
             roots,
@@ -164,12 +168,13 @@ class Agent:
             lambda instance, level: (instance.called, level) in self._refused,
             self._limits.expansions,
             nll(self._limits.min_plan_probability),
+            final,
         )
         calls, atoms = self._offers.calls - calls, self._offers.ground_atoms - atoms
         turn.decisions.append(self._decision(step, roots, found, calls, atoms))
         if found.steps:
             self._stack.push(found.steps)
-            turn.plans.append(self._stack.message(step, Change("start" if cause == "start" else "refine")))
+            turn.plans.append(self._stack.message(step, Change(cause)))
 
     def _decision(self, step: int, roots: tuple[Subgoal, ...], found: Found, calls: int, atoms: int) -> Decision:
         return Decision(

@@ -1,6 +1,7 @@
 """What the rules offer in one belief: one clingo call per fluent asked for, kept as long as the belief lasts."""
 
 from collections.abc import Iterable, Mapping
+from typing import Final
 
 from skolem.reasoner.instances import Instance, read_instances
 from skolem.reasoner.patterns import Mutexes
@@ -8,6 +9,8 @@ from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import Term, compound
+
+_OF_NO_USE: Final = ("denote.lp", "mutex.lp")  # compiled once, before: left out of every question
 
 
 class RuleOffers:
@@ -24,6 +27,7 @@ class RuleOffers:
         self._queries = queries
         self.mutexes = mutexes
         self._memo: dict[Term, tuple[Instance, ...]] = {}
+        self._files = [name.removesuffix(".lp") for name in rulebook.files if name not in _OF_NO_USE]
         self.calls = 0
         self.ground_atoms = 0
 
@@ -39,7 +43,7 @@ class RuleOffers:
 
     def ask(self, facts: Iterable[Term]) -> Mapping[str, list[tuple[Term, ...]]]:
         """Return the shown atoms of the rules over `facts`."""
-        answer = self._rulebook.solve(facts, self._queries)
+        answer = self._rulebook.solve(facts, self._queries, self._files)
         self.calls += 1
         self.ground_atoms += answer.ground_atoms
         return answer.atoms

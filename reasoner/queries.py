@@ -5,7 +5,7 @@ integer micro-nats, no answer is an empty list.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final
 
 from skolem.reasoner import gaussians
@@ -112,6 +112,11 @@ class Queries:
         """Anchors things can be put on: those no hand can hold."""
         return [a for a in self._now.anchors() if not self._now.belief.graspable(a)]
 
+    def distance(self, anchor: str) -> Term:
+        """From the base to the anchor, millimetres."""
+        mean = self._now.belief.gaussian("pose", anchor).mean
+        return round(1000 * math.hypot(float(mean[0]), float(mean[1])))
+
     def yaw_observable(self, anchor: str) -> Term:
         """1 if a look tells the object's yaw, 0 if it cannot, as for a cylinder."""
         sd = math.sqrt(float(self._now.belief.observation_covariance("pose", anchor)[2, 2]))
@@ -119,9 +124,3 @@ class Queries:
 
     def _den(self, expression: str, anchor: str) -> float:
         return self._now.probability(Compound("den", (expression, anchor)))
-
-
-def sets_of_properties(alternatives: Sequence[frozenset[str]]) -> tuple[tuple[str, ...], ...]:
-    """Return alternatives in a fixed order, smallest first, without supersets."""
-    minimal = [a for a in alternatives if a and not any(b < a for b in alternatives)]
-    return tuple(sorted({tuple(sorted(a)) for a in minimal}, key=lambda words: (len(words), words)))

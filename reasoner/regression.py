@@ -86,6 +86,7 @@ def regress(
     refused: Callable[[Instance, int], bool],
     max_expansions: int,
     max_cost: int,
+    final: Term | None = None,
 ) -> Found:
     """Return the cheapest plan that makes all fluents of one of `roots` true.
 
@@ -99,10 +100,11 @@ def regress(
         refused: Whether an instance at a level has failed to be refined or executed in this belief.
         max_expansions: Nodes to expand before giving up.
         max_cost: Plans dearer than this are not worth trying, micro-nats.
+        final: The operation the plan must end with; None for any.
     """
-    found = search(roots, offers, level_of, refused, max_expansions, max_cost, again=False)
+    found = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=False)
     if found.steps is None and found.exhausted:
-        second = search(roots, offers, level_of, refused, max_expansions, max_cost, again=True)
+        second = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=True)
         found = replace(second, expansions=found.expansions + second.expansions)
     return found
 
@@ -114,6 +116,7 @@ def search(
     refused: Callable[[Instance, int], bool],
     max_expansions: int,
     max_cost: int,
+    final: Term | None,
     again: bool,
 ) -> Found:
     """Return the cheapest plan as `regress` does; `again` says whether fluents that hold now may be achieved again."""
@@ -132,6 +135,8 @@ def search(
             return Found(None, 0, len(seen), _sorted(considered), exhausted=False)
         seen.add(goal)
         for instance in _achievers(open_fluents, goal, offers, again):
+            if length == 0 and final is not None and instance.called != final:
+                continue
             level = min(level_of(instance), instance.concrete)
             before, reason = _regressed(instance, level, goal, offers.mutexes)
             if reason is None and refused(instance, level):

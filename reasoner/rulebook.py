@@ -61,6 +61,7 @@ class Rulebook:
     warnings: tuple[Fault, ...]
     _statements: Mapping[str, Sequence[AST]] = field(repr=False)
     _sources: Sequence[RuleFile] = field(repr=False)
+    _terms: dict[str, tuple[str, tuple[Term, ...]]] = field(default_factory=dict, repr=False)  # memo, by text
 
     @classmethod
     def load(cls, queries_type: type, extra: Sequence[Path] = ()) -> "Rulebook":
@@ -118,7 +119,17 @@ class Rulebook:
             raise InternalError("\n".join(str(fault) for fault in explain(messages, self._sources)))
         if len(models) != 1:
             raise InternalError(f"the rules {', '.join(names)} have {len(models) or 'no'} answer sets instead of one")
-        return Answer(_by_predicate(models[0]), len(control.symbolic_atoms))
+        return Answer(self._by_predicate(models[0]), len(control.symbolic_atoms))
+
+    def _by_predicate(self, symbols: Iterable[clingo.Symbol]) -> dict[str, list[tuple[Term, ...]]]:
+        found: dict[str, list[tuple[Term, ...]]] = {}
+        for text, symbol in sorted((str(symbol), symbol) for symbol in symbols):
+            if text not in self._terms:
+                term = from_symbol(symbol)
+                self._terms[text] = (term.name, term.args) if isinstance(term, Compound) else (text, ())
+            name, args = self._terms[text]
+            found.setdefault(name, []).append(args)
+        return found
 
 
 class _Context:
@@ -128,12 +139,10 @@ class _Context:
         self._queries = queries
 
     def __getattr__(self, name: str) -> Callable[..., clingo.Symbol | list[clingo.Symbol]]:
-        method: Callable[..., Term | list[Term]] = getattr(self._queries, name)
-
         def call(*symbols: clingo.Symbol) -> clingo.Symbol | list[clingo.Symbol]:
             arguments = [from_symbol(symbol) for symbol in symbols]
             try:
-                found = method(*arguments)
+                found: Term | list[Term] = getattr(self._queries, name)(*arguments)
                 return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
             except Exception as error:
                 text = f"@{name}({', '.join(map(str, arguments))})"
@@ -167,15 +176,6 @@ def _ground(statements: Iterable[AST], facts: Sequence[Term], context: object, m
         if not messages:
             raise InternalError(f"clingo stopped: {error}") from error
     return control
-
-
-def _by_predicate(symbols: Iterable[clingo.Symbol]) -> dict[str, list[tuple[Term, ...]]]:
-    found: dict[str, list[tuple[Term, ...]]] = {}
-    for symbol in sorted(symbols, key=str):
-        term = from_symbol(symbol)
-        name, args = (term.name, term.args) if isinstance(term, Compound) else (str(term), ())
-        found.setdefault(name, []).append(args)
-    return found
 
 
 def _own_files(paths: Sequence[Path], taken: set[str]) -> list[RuleFile]:

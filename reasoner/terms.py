@@ -120,9 +120,15 @@ def substitute(term: Term, binding: Mapping[Term, Term]) -> Term:
 
 
 def matches(pattern: Term, term: Term) -> bool:
-    """Return whether `term` is an instance of `pattern`, in which each constant `any` stands for every term."""
+    """Return whether `term` is an instance of `pattern`.
+
+    In a pattern the constant `any` stands for every term, `under(N)` for every integer below N.
+    """
     if pattern == ANY:
         return True
+    if isinstance(pattern, Compound) and pattern.name == "under":
+        limit = pattern.args[0]
+        return isinstance(term, int) and isinstance(limit, int) and term < limit
     if not isinstance(pattern, Compound) or not isinstance(term, Compound):
         return pattern == term
     same_shape = pattern.name == term.name and len(pattern.args) == len(term.args)

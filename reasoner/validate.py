@@ -19,7 +19,9 @@ from skolem.traces.errors import Fault
 
 Signature = tuple[str, int]
 
-INPUT: Final[frozenset[Signature]] = frozenset({("goal", 1), ("open", 1), ("lambda", 3)})  # given as facts
+INPUT: Final[frozenset[Signature]] = frozenset(
+    {("goal", 1), ("posed", 1), ("open", 1), ("lambda", 3)}
+)  # given as facts
 OUTPUT: Final[frozenset[Signature]] = frozenset(WORD_FACTS.items())  # read without `#show`
 MAX_BYTES: Final = 200_000
 
@@ -232,7 +234,7 @@ def _check_calls(seen: _Seen, queries_type: type) -> Iterator[Fault]:
             hint = f"; did you mean @{close[0]}?" if close else f" (known: {', '.join(sorted(known))})"
             yield fault(f"@{name} is not a query{hint}")
         elif known[name] != arity:
-            yield fault(f"@{name} takes {known[name]} arguments, not {arity}")
+            yield fault(f"@{name} takes {known[name]} argument{'s' * (known[name] != 1)}, not {arity}")
 
 
 def query_arities(queries_type: type) -> dict[str, int]:
@@ -257,7 +259,7 @@ def _check_names(seen: _Seen) -> Iterator[Fault]:
 def _near(signature: Signature, known: Iterable[Signature]) -> str:
     known = set(known) - {signature}
     same_name = sorted(_text(other) for other in known if other[0] == signature[0])
-    close = get_close_matches(signature[0], sorted({name for name, _ in known}), 1)
+    close = get_close_matches(signature[0], sorted({name for name, _ in known}), 2)
     near = same_name or sorted(_text(other) for other in known if other[0] in close)
     return f"; did you mean {' or '.join(near)}?" if near else ""
 

@@ -1,0 +1,266 @@
+"""What a description denotes: the axioms of `denote.lp` compiled to a circuit, evaluated on a belief in floats.
+
+Rules say which number each subexpression is; this module computes the numbers (section "Denoting objects"):
+b(R(c)) for an atom, the product for And, a + b - ab for Or, and Or over all known objects for Exists.
+
+Existence: b(R(c)) is the probability given that c exists. What a variable ranges over is weighted by P(exists) once:
+Den(lambda x. e, c) is P(c exists) times the value of e, and `exists y. e` is Or over all c of P(c exists) times e.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import reduce
+from itertools import product
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.reasoner.expressions import And, Atom, Exists, Expression, Lambda, Or, argument_term, constant_of
+from skolem.reasoner.protocols import BeliefQueries
+from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.terms import Compound, Term, compound
+from skolem.reasoner.vocabulary import Vocabulary
+from skolem.traces.errors import InternalError
+
+MOST_ALTERNATIVES: Final = 32  # sets of properties kept per description, smallest first
+_NOTHING: Final = Compound("", ())
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """Belief in a relation of variables `var(x)` and anchors."""
+
+    relation: str
+    args: tuple[Term, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Product:
+    """a b."""
+
+    left: "Node"
+    right: "Node"
+
+
+@dataclass(frozen=True, slots=True)
+class Either:
+    """a + b - a b."""
+
+    left: "Node"
+    right: "Node"
+
+
+@dataclass(frozen=True, slots=True)
+class EitherOver:
+    """1 - the product over all known objects of 1 - P(it exists) a."""
+
+    variable: Term
+    inner: "Node"
+
+
+Node = Leaf | Product | Either | EitherOver
+
+
+@dataclass(frozen=True, slots=True)
+class Circuit:
+    """A compiled description.
+
+    Attributes:
+        variable: What the lambda binds.
+        root: The value of its body.
+        props: Words of the properties said of the described object itself, sorted.
+    """
+
+    variable: Term
+    root: Node
+    props: tuple[str, ...]
+
+
+# ---------------------------------------------------------------- compiling
+
+
+def compile_description(description: Lambda, rulebook: Rulebook) -> Circuit:
+    """Return the circuit that the denotation axioms give for a description.
+
+    Raises:
+        InternalError: If the axioms do not cover it.
+    """
+    body = expression_term(description.body)
+    fact = compound("lambda", "e", description.variable, body)
+    atoms = rulebook.solve([fact], None, ["denote"]).atoms
+    if atoms.get("bad"):
+        reasons = ", ".join(str(reason) for _, reason in atoms["bad"])
+        raise InternalError(f"rules/denote.lp: {description} is not legal: {reasons}")
+    axioms = {expression: node for expression, node in atoms["axiom"]}
+    props = tuple(sorted(str(word) for _, word in atoms.get("props", [])))
+    return Circuit(compound("var", description.variable), _node(body, axioms), props)
+
+
+def expression_term(expression: Expression) -> Term:
+    """Return an expression as `denote.lp` reads it."""
+    match expression:
+        case And(left, right):
+            return compound("and", expression_term(left), expression_term(right))
+        case Or(left, right):
+            return compound("or", expression_term(left), expression_term(right))
+        case Exists(variable, body):
+            return compound("exists", variable, expression_term(body))
+        case Atom(word, args):
+            pairs = reduce(lambda rest, first: compound("", argument_term(first), rest), reversed(args), _NOTHING)
+            return compound("r", constant_of(word), pairs)
+
+
+def _node(expression: Term, axioms: Mapping[Term, Term]) -> Node:
+    axiom = axioms.get(expression)
+    match axiom:
+        case Compound("belief", (str(relation), args)):
+            return Leaf(relation, tuple(_unpaired(args)))
+        case Compound("product", (left, right)):
+            return Product(_node(left, axioms), _node(right, axioms))
+        case Compound("either", (left, right)):
+            return Either(_node(left, axioms), _node(right, axioms))
+        case Compound("either_over", (variable, inner)):
+            return EitherOver(compound("var", variable), _node(inner, axioms))
+    raise InternalError(f"rules/denote.lp gives {axiom} for {expression}; expected a circuit node")
+
+
+def _unpaired(pairs: Term) -> Iterable[Term]:
+    while isinstance(pairs, Compound) and pairs.args:
+        first, pairs = pairs.args
+        yield first
+
+
+# ---------------------------------------------------------------- evaluating
+
+
+def evaluate(circuit: Circuit, belief: BeliefQueries, vocabulary: Vocabulary) -> dict[str, float]:
+    """Return P(Den) of the description for every known anchor, in the belief's order."""
+    beliefs = _Beliefs(belief, vocabulary)
+    values = _value(circuit.root, (circuit.variable,), beliefs) * beliefs.exist
+    return dict(zip(beliefs.anchors, map(float, values), strict=True))
+
+
+class _Beliefs:
+    """Beliefs in ground relations over the anchors, each asked for once."""
+
+    def __init__(self, belief: BeliefQueries, vocabulary: Vocabulary) -> None:
+        self._belief, self._meanings = belief, vocabulary.meanings
+        self._memo: dict[tuple[str, tuple[Term, ...]], float] = {}
+        self.anchors = belief.anchors()
+        self.exist = np.array([belief.prob_exists(anchor) for anchor in self.anchors], dtype=np.float64)
+
+    def ground(self, relation: str, args: tuple[Term, ...]) -> float:
+        """Return b(R(c1, .., cn)); 0 if it is about an unknown anchor.
+
+        Raises:
+            InternalError: If the vocabulary has no such relation.
+        """
+        key = relation, args
+        if key not in self._memo:
+            self._memo[key] = self._ask(relation, args)
+        return self._memo[key]
+
+    def _ask(self, relation: str, args: tuple[Term, ...]) -> float:
+        known = all(anchor in self.anchors for anchor in args)
+        match args:
+            case (str(anchor),) if relation in self._meanings:
+                return self._belief.prob_property(anchor, self._meanings[relation]) if known else 0.0
+            case (str(anchor), str(support)) if relation == "on":
+                return self._belief.prob_on(anchor, support) if known else 0.0
+        text = Compound(relation, args)
+        raise InternalError(f"no relation {text}; there are on/2 and the properties {', '.join(self._meanings)}")
+
+
+def _value(node: Node, axes: tuple[Term, ...], beliefs: _Beliefs) -> NDArray[np.float64]:
+    """Return the value of a node, with one axis per variable in `axes`, of length 1 where it does not depend on it."""
+    match node:
+        case Leaf():
+            return _leaf(node, axes, beliefs)
+        case Product(left, right):
+            return _value(left, axes, beliefs) * _value(right, axes, beliefs)
+        case Either(left, right):
+            a, b = _value(left, axes, beliefs), _value(right, axes, beliefs)
+            return a + b - a * b
+        case EitherOver(variable, inner):
+            some: NDArray[np.float64] = 1.0 - _value(inner, (*axes, variable), beliefs) * beliefs.exist
+            none: NDArray[np.float64] = np.prod(some, axis=-1)
+            return 1.0 - none
+
+
+def _leaf(leaf: Leaf, axes: tuple[Term, ...], beliefs: _Beliefs) -> NDArray[np.float64]:
+    """Return b(R(..)) for every choice of anchors for the variables of an atom."""
+    used = [variable for variable in axes if variable in leaf.args]
+    shape = tuple(len(beliefs.anchors) if variable in used else 1 for variable in axes)
+    values = [
+        beliefs.ground(leaf.relation, tuple(dict(zip(used, chosen, strict=True)).get(arg, arg) for arg in leaf.args))
+        for chosen in product(beliefs.anchors, repeat=len(used))
+    ]
+    return np.array(values, dtype=np.float64).reshape(shape)
+
+
+# ---------------------------------------------------------------- which properties make it true
+
+
+def alternatives(circuit: Circuit) -> tuple[tuple[str, ...], ...]:
+    """Return sets of properties of the described object, each enough to make its description true as far as they go.
+
+    Minimal sets, smallest first; relations to other objects are left out, as no observation of one object settles them.
+    """
+    return tuple(tuple(sorted(words)) for words in _alternatives(circuit.root, circuit) if words)
+
+
+def _alternatives(node: Node, circuit: Circuit) -> list[frozenset[str]]:
+    match node:
+        case Leaf(relation, args):
+            return [frozenset({relation}) if args == (circuit.variable,) else frozenset()]
+        case EitherOver(_, inner):
+            return _alternatives(inner, circuit)
+        case Product(left, right):
+            pairs = product(_alternatives(left, circuit), _alternatives(right, circuit))
+            return _minimal(a | b for a, b in pairs)
+        case Either(left, right):
+            return _minimal([*_alternatives(left, circuit), *_alternatives(right, circuit)])
+
+
+def _minimal(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:
+    """Return the sets without supersets of non-empty ones, in a fixed order."""
+    ordered = sorted(set(sets), key=lambda words: (len(words), sorted(words)))
+    kept = [words for words in ordered if not any(other and other < words for other in ordered)]
+    return kept[:MOST_ALTERNATIVES]
+
+
+# ---------------------------------------------------------------- for one goal
+
+
+class Denotations:
+    """The descriptions of a goal, evaluated once per version of the belief.
+
+    Attributes:
+        circuits: By the constant of the description.
+        alternatives: By the constant of the description, as `alternatives` gives them.
+    """
+
+    def __init__(self, expressions: Mapping[str, Lambda], rulebook: Rulebook) -> None:
+        self.circuits = {name: compile_description(found, rulebook) for name, found in expressions.items()}
+        self.alternatives = {name: alternatives(circuit) for name, circuit in self.circuits.items()}
+        self._vocabulary = rulebook.vocabulary
+        self._version: int | None = None
+        self._tables: dict[str, dict[str, float]] = {}
+
+    def table(self, expression: str, belief: BeliefQueries) -> Mapping[str, float]:
+        """Return P(Den) for every anchor."""
+        if belief.version != self._version:
+            self._version, self._tables = belief.version, {}
+        if expression not in self._tables:
+            self._tables[expression] = evaluate(self.circuits[expression], belief, self._vocabulary)
+        return self._tables[expression]
+
+    def probability(self, expression: str, anchor: str, belief: BeliefQueries) -> float:
+        """Return P(Den); 0 for an unknown anchor."""
+        return self.table(expression, belief).get(anchor, 0.0)
+
+    def conjuncts(self, expression: str, anchor: str, belief: BeliefQueries) -> dict[str, float]:
+        """Return the probability of each property that the description turns on: the parts of an explanation."""
+        meanings = self._vocabulary.meanings
+        return {word: belief.prob_property(anchor, meanings[word]) for word in self.circuits[expression].props}
