@@ -9,7 +9,7 @@ Units are SI and radians. A pose `a_T_b` maps coordinates of frame b to frame a.
 """
 
 import json
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -461,7 +461,10 @@ class Perf(Message):
     milliseconds: dict[str, float]
 
 
-INPUT, DERIVED, TRUTH, PERF = "INPUT", "DERIVED", "TRUTH", "PERF"
+INPUT: Final = "INPUT"
+DERIVED: Final = "DERIVED"
+TRUTH: Final = "TRUTH"
+PERF: Final = "PERF"
 TopicClass = Literal["INPUT", "DERIVED", "TRUTH", "PERF"]
 JSON_TOPICS: dict[str, tuple[type[Message], TopicClass]] = {
     "/run/start": (RunStart, INPUT),

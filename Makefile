@@ -1,0 +1,71 @@
+# Everything a checkout needs, from nothing but make and Python 3.11 (or 3.12).
+#
+#   make demo    install, then run the first scenario
+#   make test    install, then run the tests
+#   make check   formatter, linter, types, tests, and a wheel in an empty environment: what a change must pass
+#   make setup   install only
+#   make lock    choose the newest versions of all dependencies anew
+#   make clean   remove everything that the others made
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+
+PYTHON ?= $(shell for p in python3.11 python3.12 python3; do \
+	$$p -c 'import sys; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' 2>/dev/null && echo $$p && break; done)
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
+PACKAGES := rules reasoner estimation sim traces tools
+SCENARIO := scenarios/sim1_green.yaml
+SEED := 0
+TRACE := out/$(basename $(notdir $(SCENARIO)))-$(SEED).mcap
+
+.PHONY: help setup demo test check lint wheel lock clean
+
+help:
+	@sed -n '3,$${/^#/!q;s/^# \{0,1\}//p}' Makefile
+
+setup: $(VENV)/installed $(PACKAGES:%=.types/skolem/%)
+
+$(VENV)/bin/python:
+	@test -n "$(PYTHON)" || { echo "skolem needs Python 3.11 or 3.12 as python3.11, python3.12 or python3" >&2; exit 1; }
+	@echo "making $(VENV) with $$($(PYTHON) --version)"
+	@$(PYTHON) -m venv $(VENV)
+
+$(VENV)/installed: requirements.lock pyproject.toml | $(VENV)/bin/python
+	@echo "installing the locked dependencies"
+	@.ci/prepare-312 $(BIN)/python
+	@$(PIP) install -r requirements.lock
+	@$(PIP) install --no-deps --editable .
+	@touch $@
+
+# The folders stand at the top and the import name is skolem.FOLDER: type checkers need to see them under one roof.
+.types/skolem/%:
+	@mkdir -p .types/skolem
+	@ln -sfn ../../$* $@
+
+demo: setup
+	$(BIN)/skolem run $(SCENARIO) --seed $(SEED) -o $(TRACE)
+
+test: setup
+	$(BIN)/python -m pytest -q
+
+check: lint test wheel
+
+lint: setup
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+wheel: setup
+	.ci/check-wheel $(BIN)/python $(SCENARIO)
+
+lock: $(VENV)/bin/python
+	@$(PIP) install uv
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --extra dev \
+		--no-header --no-annotate --no-emit-index-url --no-emit-find-links --upgrade pyproject.toml -o requirements.lock
+
+clean:
+	rm -rf $(VENV) .types build dist out *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

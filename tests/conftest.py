@@ -1,0 +1,53 @@
+"""What every test shares: golden texts, reproducible hypothesis examples, the type checkers' view, a small trace."""
+
+import difflib
+import runpy
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+ROOT = Path(__file__).parent.parent
+TYPE_FARM = ROOT / ".types" / "skolem"
+PACKAGE_FOLDERS = ("rules", "reasoner", "estimation", "sim", "traces", "tools")
+
+settings.register_profile("reproducible", derandomize=True, deadline=None)
+settings.load_profile("reproducible")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--update-golden", action="store_true", help="rewrite the golden texts under tests/data")
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest) -> Callable[[str, str], None]:
+    """Compare a text with the golden file of that name, or rewrite the file if --update-golden is given."""
+
+    def compare(name: str, text: str) -> None:
+        path = ROOT / "tests" / "data" / name
+        if request.config.getoption("--update-golden"):
+            path.write_text(text, encoding="utf-8")
+        before = path.read_text(encoding="utf-8") if path.exists() else ""
+        diff = difflib.unified_diff(before.splitlines(), text.splitlines(), name, "now", lineterm="", n=2)
+        if before != text:
+            pytest.fail("\n".join(diff) + "\nif this is meant: pytest --update-golden, and say why in the commit")
+
+    return compare
+
+
+@pytest.fixture
+def record_run() -> Callable[..., str]:
+    """Return the function of `sample_run.py` that records a small run and returns its content hash."""
+    record: Callable[..., str] = runpy.run_path(str(ROOT / "tests" / "sample_run.py"))["record"]
+    return record
+
+
+@pytest.fixture(scope="session")
+def type_farm() -> Path:
+    """Return the folder of links that lets type checkers see `skolem.*`, made if it is absent."""
+    TYPE_FARM.mkdir(parents=True, exist_ok=True)
+    for folder in PACKAGE_FOLDERS:
+        if not (TYPE_FARM / folder).is_symlink():
+            (TYPE_FARM / folder).symlink_to(Path("..") / ".." / folder)
+    return TYPE_FARM

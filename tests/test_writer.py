@@ -1,0 +1,186 @@
+import os
+import re
+import signal
+import subprocess
+import sys
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from mcap.writer import Writer
+
+from skolem.traces.environment import PACKAGES, environment
+from skolem.traces.errors import InputError, InternalError
+from skolem.traces.messages import Action, Chain, Perf, RunEnd, TrueState, Verdict
+from skolem.traces.reader import Trace, salvage
+from skolem.traces.writer import TraceWriter
+
+SAMPLE_RUN = Path(__file__).parent / "sample_run.py"
+STILL = Verdict(true=False)
+TRUE_STATE = TrueState(step=0, world_T_base=(0.0, 0.0, 0.0), objects=(), sha256="00")
+
+
+def open_writer(path: Path) -> TraceWriter:
+    return TraceWriter(path, attachments={}, run={}, env={})
+
+
+def end_of(path: Path) -> RunEnd:
+    return list(Trace(path).of(RunEnd))[-1]
+
+
+def test_two_processes_with_different_hash_seeds_write_the_same_bytes(tmp_path: Path) -> None:
+    written = []
+    for hash_seed in ("0", "5"):
+        out = tmp_path / f"{hash_seed}.mcap"
+        command = [sys.executable, str(SAMPLE_RUN), str(out)]
+        subprocess.run(command, check=True, env=os.environ | {"PYTHONHASHSEED": hash_seed})
+        written.append(out.read_bytes())
+    assert written[0] == written[1]
+
+
+def test_the_writer_computes_the_content_hash_that_a_reader_computes(
+    tmp_path: Path, record_run: Callable[..., str]
+) -> None:
+    content_hash = record_run(tmp_path / "a.mcap")
+    assert content_hash == Trace(tmp_path / "a.mcap").content_hash
+
+
+def test_wall_times_are_recorded_for_a_profile_only(tmp_path: Path, record_run: Callable[..., str]) -> None:
+    plain, profiled = tmp_path / "plain.mcap", tmp_path / "profiled.mcap"
+    assert record_run(plain, wall_ms=1.0) == record_run(profiled, wall_ms=2.5, profile=True)
+    assert not list(Trace(plain).of(Perf))
+    assert [perf.milliseconds for perf in Trace(profiled).of(Perf)] == [{"sim": 2.5}] * 3
+
+
+def test_an_exception_leaves_a_complete_trace_that_says_why(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+
+    def run() -> None:
+        with open_writer(path) as writer:
+            writer.candidate(0.25, "o1")
+            writer.write("/truth/state", TRUE_STATE, 100)
+            raise ZeroDivisionError("division by zero")
+
+    with pytest.raises(ZeroDivisionError):
+        run()
+    end = RunEnd(
+        status="error", steps=0, reason="ZeroDivisionError: division by zero", goal_probability=0.25, anchor="o1"
+    )
+    assert end_of(path) == end
+    assert [file.name for file in tmp_path.iterdir()] == ["a.mcap"]
+
+
+def test_ctrl_c_leaves_a_complete_trace_that_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with pytest.raises(KeyboardInterrupt), open_writer(path):
+        signal.raise_signal(signal.SIGINT)
+    assert (end_of(path).status, end_of(path).reason) == ("interrupted", "KeyboardInterrupt")
+
+
+def test_ctrl_c_in_the_middle_of_a_message_or_of_closing_tears_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for method in ("add_message", "finish"):
+        original = getattr(Writer, method)
+
+        def interrupted(*args: object, original: Callable[..., None] = original) -> None:
+            signal.raise_signal(signal.SIGINT)
+            original(*args)
+
+        path = tmp_path / f"{method}.mcap"
+        monkeypatch.setattr(Writer, method, interrupted)
+        with pytest.raises(KeyboardInterrupt), open_writer(path) as writer:
+            writer.write("/truth/state", TRUE_STATE, 100)
+        monkeypatch.setattr(Writer, method, original)
+        assert next(Trace(path).of(TrueState)) == TRUE_STATE
+
+
+def test_a_run_that_forgets_its_end_record_gets_one(tmp_path: Path, record_run: Callable[..., str]) -> None:
+    path = tmp_path / "a.mcap"
+    record_run(path, steps=2, last_words=False)
+    assert (end_of(path).status, end_of(path).steps) == ("error", 2)
+    assert end_of(path).reason == "closed without an end record"
+
+
+def test_an_odd_file_name_in_an_error_does_not_spoil_the_end_record(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with pytest.raises(FileNotFoundError), open_writer(path):
+        raise FileNotFoundError("no file \udcff")
+    assert end_of(path).reason == "FileNotFoundError: no file \\udcff"
+
+
+def test_a_killed_process_leaves_every_closed_step(tmp_path: Path) -> None:
+    """SIGKILL cannot be caught: what is lost is at most the step in which it came."""
+    out = tmp_path / "a.mcap"
+    script = (
+        "import runpy, sys, time; from pathlib import Path; from skolem.traces.writer import TraceWriter\n"
+        f"sample = runpy.run_path({str(SAMPLE_RUN)!r})\n"
+        f"with TraceWriter(Path({str(out)!r}), attachments={{'scenario.yaml': b'x'}}, run={{}}, env={{}}) as writer:\n"
+        "    writer.write('/run/start', sample['run_start'](), 0)\n"
+        "    for step in range(50): sample['record_step'](writer, step)\n"
+        "    print('recorded', flush=True); time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "recorded\n"
+        process.kill()
+    assert not out.exists()
+    found = salvage(out.with_name("a.mcap.partial"))
+    assert found.stopped
+    assert found.attachments == {"scenario.yaml": b"x"}
+    chains = [recorded.message for recorded in found.messages("/chain")]
+    assert [chain.step for chain in chains if isinstance(chain, Chain)] == list(range(50))
+
+
+def test_a_finished_chunk_is_on_the_disk_before_the_next_message(tmp_path: Path) -> None:
+    """Bytes that do not compress fill a chunk every few messages; each full one can be read while the run goes on."""
+    with open_writer(tmp_path / "a.mcap") as writer:
+        for k in range(40):
+            noise = "".join(f"{zlib.crc32(bytes([k, i % 256, i // 256])):08x}" for i in range(1000))
+            writer.write("/truth/state", TRUE_STATE.model_copy(update={"sha256": noise}), k)
+        assert salvage(writer.partial).count >= 30
+
+
+def test_time_runs_forward_only(tmp_path: Path) -> None:
+    with open_writer(tmp_path / "a.mcap") as writer:
+        writer.write("/truth/state", TRUE_STATE, 100)
+        with pytest.raises(InternalError, match="tick 99 comes after tick 100"):
+            writer.write("/truth/state", TRUE_STATE, 99)
+
+
+def test_nothing_is_decided_after_the_end_but_the_verdict_may_follow(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    end = RunEnd(status="goal_unachievable", steps=0, reason="no plan", goal_probability=0.0)
+    with open_writer(path) as writer:
+        writer.write("/run/end", end, 0)
+        writer.write("/truth/verdict", STILL, 0)
+        with pytest.raises(InternalError, match="the run has ended"):
+            writer.write("/run/end", end, 0)
+    assert list(Trace(path).of(RunEnd)) == [end]
+    assert list(Trace(path).of(Verdict)) == [STILL]
+
+
+def test_a_path_that_cannot_be_written_is_the_users_mistake(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot write the trace here"):
+        open_writer(tmp_path / "file" / "a.mcap")
+
+
+def test_missing_folders_are_made(tmp_path: Path) -> None:
+    with open_writer(tmp_path / "out" / "today" / "a.mcap"):
+        pass
+    assert end_of(tmp_path / "out" / "today" / "a.mcap").status == "error"
+
+
+def test_a_step_of_ten_actions_counts_only_those_that_came_back(tmp_path: Path, record_run: Callable[..., str]) -> None:
+    record_run(tmp_path / "a.mcap", steps=10, last_words=False)
+    assert len(list(Trace(tmp_path / "a.mcap").of(Action))) == end_of(tmp_path / "a.mcap").steps == 10
+
+
+def test_the_environment_names_versions_and_no_place() -> None:
+    found = environment()
+    assert {f"version {name}" for name in PACKAGES} <= set(found)
+    assert re.fullmatch(r"\d+\.\d+\.\d+", found["python"])
+    assert not any("/" in value for value in found.values())
+    assert found == environment()

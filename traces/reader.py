@@ -1,0 +1,262 @@
+"""Read a trace with the memory of one chunk, and what is left of a damaged one.
+
+Opening a trace compares both checksums of the container with the whole file, so that a file that opens can be read.
+"""
+
+import io
+import struct
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import IO, TypeVar
+
+from google.protobuf.message import Message as Protobuf
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.reader import FOOTER_SIZE, make_reader
+from mcap.records import Attachment, Channel, Chunk, Metadata
+from mcap.records import Message as McapMessage
+from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
+from mcap.writer import MCAP0_MAGIC
+from zstandard import ZstdError
+
+from skolem.traces.clock import tick_at, time_ns
+from skolem.traces.codec import ContentHash, counter_of, decode
+from skolem.traces.errors import TraceError
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Message
+
+DAMAGE = (McapError, ZstdError, ValueError, KeyError, struct.error, MemoryError, OverflowError)
+DATA_END_SIZE = 1 + 8 + 4
+BLOCK_BYTES = 1 << 20
+SALVAGE = "skolem.traces.reader.salvage reads what is complete"
+
+M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """One message of a trace.
+
+    Attributes:
+        topic: One of the topic table.
+        tick: Simulated time, in ticks since the start.
+        sequence: Position among the messages of its class group (decisions, truth, perf).
+        data: The bytes as recorded.
+    """
+
+    topic: str
+    tick: int
+    sequence: int
+    data: bytes
+
+    @property
+    def message(self) -> Message | Protobuf:
+        """The decoded message.
+
+        Raises:
+            TraceError: If the bytes are not a message of the topic's type.
+        """
+        try:
+            return decode(self.topic, self.data)
+        except ValueError as error:
+            raise TraceError(f"message {self.sequence} of {self.topic} does not follow its schema: {error}") from error
+
+
+class Trace:
+    """A complete trace on disk. No file stays open between calls; every iteration starts at the beginning."""
+
+    def __init__(self, path: Path) -> None:
+        """Open and check a trace.
+
+        Raises:
+            TraceError: If the file is missing, not a trace, truncated, damaged, or of a newer version.
+        """
+        self.path = path
+        with _opened(path) as file:
+            _check_whole(path, file)
+            reader = make_reader(file)
+            self.metadata = {record.name: record.metadata for record in reader.iter_metadata()}
+        written = self.metadata.get("run", {}).get("schema_version")
+        if written is None:
+            raise TraceError(f"{path}: an MCAP file, but not a trace: its metadata names no schema version")
+        if not written.isdecimal() or int(written) > SCHEMA_VERSION:
+            raise TraceError(f"{path}: has schema version {written}, known is {SCHEMA_VERSION}; install a newer skolem")
+
+    @cached_property
+    def attachments(self) -> dict[str, bytes]:
+        """The scenario and the rule files of the run, by name."""
+        with self.path.open("rb") as file:
+            return {record.name: record.data for record in make_reader(file).iter_attachments()}
+
+    def messages(self, *topics: str) -> Iterator[Recorded]:
+        """Yield the messages of `topics` (of all, if none is given) in file order.
+
+        Raises:
+            TraceError: If a topic is unknown, or (reading all) a message is missing.
+        """
+        count = dict.fromkeys(("decision", "truth", "perf"), 0)
+        for channel, record in _indexed(self.path, topics):
+            recorded = _recorded(self.path, channel, record)
+            counter = counter_of(recorded.topic)
+            if not topics and recorded.sequence != count[counter]:
+                raise TraceError(f"{self.path}: {recorded.topic}: {counter} message {count[counter]} is missing")
+            count[counter] += 1
+            yield recorded
+
+    def of(self, model: type[M]) -> Iterator[M]:
+        """Yield the messages of one type, decoded, in file order: `trace.of(Belief)`."""
+        for recorded in self.messages(*(topic for topic, (known, _) in JSON_TOPICS.items() if known is model)):
+            message = recorded.message
+            assert isinstance(message, model), f"no topic carries {model.__name__}"
+            yield message
+
+    @cached_property
+    def hashes(self) -> ContentHash:
+        """The content and decision hashes, as the writer computed them."""
+        hashes = ContentHash()
+        for recorded in self.messages():
+            hashes.add(recorded.topic, recorded.data, time_ns(recorded.tick), recorded.sequence)
+        return hashes
+
+    @property
+    def content_hash(self) -> str:
+        """Hash of everything recorded but PERF."""
+        return self.hashes.content
+
+    @property
+    def decision_hash(self) -> str:
+        """Hash of what the robot sensed, believed and decided."""
+        return self.hashes.decision
+
+
+@dataclass(frozen=True, slots=True)
+class Salvaged:
+    """What can be read of a truncated or damaged trace, from its beginning to the first damage.
+
+    Attributes:
+        path: The damaged file.
+        attachments: Scenario and rule files, by name.
+        metadata: As far as they were written.
+        count: Number of readable messages.
+        stopped: What ended the reading; empty if the file is whole.
+    """
+
+    path: Path
+    attachments: dict[str, bytes]
+    metadata: dict[str, dict[str, str]]
+    count: int
+    stopped: str
+
+    def messages(self, *topics: str) -> Iterator[Recorded]:
+        """Yield the readable messages of `topics` (of all, if none is given) in file order."""
+        channels: dict[int, Channel] = {}
+        with self.path.open("rb") as file:
+            for record in _readable(file, lambda _: None):
+                if isinstance(record, Channel):
+                    channels[record.id] = record
+                elif isinstance(record, McapMessage):
+                    recorded = _recorded(self.path, channels[record.channel_id], record)
+                    if not topics or recorded.topic in topics:
+                        yield recorded
+
+
+def salvage(path: Path) -> Salvaged:
+    """Return everything that is complete in a trace of any condition.
+
+    Raises:
+        TraceError: If the file is missing or does not begin as an MCAP file.
+    """
+    attachments: dict[str, bytes] = {}
+    metadata: dict[str, dict[str, str]] = {}
+    stops: list[str] = []
+    count = 0
+    with _opened(path) as file:
+        for record in _readable(file, stops.append):
+            if isinstance(record, Attachment):
+                attachments[record.name] = record.data
+            elif isinstance(record, Metadata):
+                metadata[record.name] = record.metadata
+            count += isinstance(record, McapMessage)
+    return Salvaged(path, attachments, metadata, count, "".join(stops))
+
+
+def _opened(path: Path) -> IO[bytes]:
+    """Return the file, at its beginning, once it is known to begin as an MCAP file."""
+    try:
+        file = path.open("rb")
+    except OSError as error:
+        raise TraceError(f"{path}: cannot read the trace: {error.strerror}") from error
+    if file.read(MAGIC_SIZE) != MCAP0_MAGIC:
+        file.close()
+        raise TraceError(f"{path}: not a trace: it does not begin as an MCAP file")
+    file.seek(0)
+    return file
+
+
+def _check_whole(path: Path, file: IO[bytes]) -> None:
+    """Compare both checksums of the container (data section, summary) with the file; leave it at its beginning."""
+    size = file.seek(0, io.SEEK_END)
+    tail = MAGIC_SIZE + FOOTER_SIZE
+    file.seek(max(0, size - tail))
+    footer = file.read(tail)
+    if size < MAGIC_SIZE + tail + DATA_END_SIZE or footer[-MAGIC_SIZE:] != MCAP0_MAGIC:
+        raise TraceError(f"{path}: truncated: the run was killed, or is still being recorded; {SALVAGE}")
+    summary, _, summary_crc = struct.unpack("<QQI", footer[-MAGIC_SIZE - 20 : -MAGIC_SIZE])
+    data_end = summary - DATA_END_SIZE
+    if not MAGIC_SIZE < data_end < size or _crc(file, summary, size - MAGIC_SIZE - 4) != summary_crc:
+        raise TraceError(f"{path}: damaged: the index at the end does not match its checksum; {SALVAGE}")
+    file.seek(data_end)
+    opcode_and_length, data_crc = file.read(9), struct.unpack("<I", file.read(4))[0]
+    if opcode_and_length != b"\x0f" + (4).to_bytes(8, "little") or _crc(file, 0, data_end) != data_crc:
+        raise TraceError(f"{path}: damaged: the messages do not match their checksum; {SALVAGE}")
+    file.seek(0)
+
+
+def _crc(file: IO[bytes], start: int, end: int) -> int:
+    """Return the checksum of the bytes from `start` up to `end`, read in blocks."""
+    file.seek(start)
+    crc = 0
+    while start < end and (block := file.read(min(BLOCK_BYTES, end - start))):
+        crc = zlib.crc32(block, crc)
+        start += len(block)
+    return crc
+
+
+def _indexed(path: Path, topics: tuple[str, ...]) -> Iterator[tuple[Channel, McapMessage]]:
+    """Yield the messages of `topics` (of all, if none is given) in file order, one chunk in memory at a time.
+
+    The container library's own iteration in file order takes every chunk into memory before the first message.
+    """
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+        assert summary is not None, "the checksum of the summary was compared"
+        wanted = {number for number, channel in summary.channels.items() if not topics or channel.topic in topics}
+        for index in sorted(summary.chunk_indexes, key=lambda index: index.chunk_start_offset):
+            if wanted.isdisjoint(index.message_index_offsets):
+                continue
+            file.seek(index.chunk_start_offset + 1 + 8)
+            for record in breakup_chunk(Chunk.read(ReadDataStream(file)), validate_crc=True):
+                if isinstance(record, McapMessage) and record.channel_id in wanted:
+                    yield summary.channels[record.channel_id], record
+
+
+def _readable(file: IO[bytes], on_stop: Callable[[str], None]) -> Iterator[object]:
+    """Yield every container record up to the first damage, and report that."""
+    records = StreamReader(file, validate_crcs=True).records
+    while True:
+        try:
+            record = next(records)
+        except StopIteration:
+            return
+        except DAMAGE as error:
+            on_stop(f"{type(error).__name__}: {error}".rstrip(": "))
+            return
+        yield record
+
+
+def _recorded(path: Path, channel: Channel, record: McapMessage) -> Recorded:
+    if channel.topic not in CLASS_OF:
+        raise TraceError(f"{path}: unknown topic {channel.topic}; known are: {', '.join(CLASS_OF)}")
+    return Recorded(channel.topic, tick_at(record.log_time), record.sequence, record.data)

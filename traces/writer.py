@@ -1,0 +1,162 @@
+"""Write a run as one MCAP file that is complete however the run ends.
+
+Two runs of one scenario and seed on one machine write the same bytes: log times come from the tick counter, ids from
+the topic table, and nothing in the file knows the time of day or the name of the machine.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+from google.protobuf.message import Message as Protobuf
+from mcap.writer import CompressionType, Writer
+
+from skolem.traces.clock import time_ns
+from skolem.traces.codec import ContentHash, HashChain, counter_of, encode, schema_bytes, schema_name
+from skolem.traces.errors import Fault, InputError, InternalError
+from skolem.traces.interrupts import interrupts_held
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunEnd, RunStatus
+
+LIBRARY = "skolem-trace/1"  # the default names the version of the mcap package, and would change the bytes
+CHUNK_BYTES = 64 * 1024
+
+
+class TraceWriter:
+    """A trace being written; used as a context manager.
+
+    The file is called `NAME.partial` until it is complete. Leaving the block, also by an exception or Ctrl-C, adds
+    `/run/end` if it is missing, closes the file and gives it its name. A killed process leaves the partial file, which
+    `skolem.traces.reader.salvage` reads up to the last closed step or full chunk.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        attachments: Mapping[str, bytes],
+        run: Mapping[str, str],
+        env: Mapping[str, str],
+        profile: bool = False,
+    ) -> None:
+        """Create the partial file, with attachments, metadata, schemas and channels in place.
+
+        Args:
+            path: Where the trace will lie; missing folders are made.
+            attachments: `scenario.yaml` and `rules/*.lp`, by name: what the run was made of.
+            run: Metadata of the run, such as its seed; the schema version is added.
+            env: Metadata of the machine, as `skolem.traces.environment.environment` gives them.
+            profile: Whether `/perf` is recorded. Wall times differ from run to run, so by default they are dropped.
+
+        Raises:
+            InputError: If the file cannot be created.
+        """
+        self.path = path
+        self.partial = path.with_name(path.name + ".partial")
+        self._profile = profile
+        self._hash = ContentHash()
+        self._chain = HashChain()
+        self._counters = {"decision": 0, "truth": 0, "perf": 0}
+        self._tick = 0
+        self._results = 0
+        self._candidate: tuple[float, str | None] = (0.0, None)
+        self._ended = False
+        self._file = _create(self.partial)
+        self._mcap = Writer(self._file, compression=CompressionType.ZSTD, chunk_size=CHUNK_BYTES, enable_data_crcs=True)
+        self._mcap.start(profile="", library=LIBRARY)
+        self._mcap.add_metadata("run", dict(sorted((dict(run) | {"schema_version": str(SCHEMA_VERSION)}).items())))
+        self._mcap.add_metadata("env", dict(sorted(env.items())))
+        for name in sorted(attachments):
+            self._mcap.add_attachment(0, 0, name, "text/plain", attachments[name])
+        self._channels = {topic: self._register(topic) for topic in CLASS_OF}
+
+    def write(self, topic: str, message: Message | Protobuf, tick: int) -> None:
+        """Append one message at a simulated time; an interrupt in between waits until it is whole.
+
+        Raises:
+            InternalError: If the topic or type is wrong, time runs backwards, or the run has ended already.
+        """
+        if topic == "/perf" and not self._profile:
+            return
+        data = encode(topic, message)
+        counter = counter_of(topic)
+        if tick < self._tick:
+            raise InternalError(f"{topic}: tick {tick} comes after tick {self._tick}")
+        if self._ended and counter == "decision":
+            raise InternalError(f"{topic}: the run has ended")
+        with interrupts_held():
+            self._append(topic, data, tick, counter)
+
+    def candidate(self, probability: float, anchor: str | None) -> None:
+        """Remember the goal's present best candidate, for the end record of a run that is cut short."""
+        self._candidate = (probability, anchor)
+
+    def close_step(self, step: int, tick: int) -> str:
+        """Write the hash chain over the step's messages, put all so far on the disk, and return the chain."""
+        self.write("/chain", Chain(step=step, chain=self._chain.close()), tick)
+        return self._chain.link
+
+    @property
+    def content_hash(self) -> str:
+        """Hash of everything written so far but PERF; final once the block is left."""
+        return self._hash.content
+
+    @property
+    def decision_hash(self) -> str:
+        """Hash of the INPUT and DERIVED messages written so far."""
+        return self._hash.decision
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        with interrupts_held(), self._file:
+            if not self._ended:
+                self._cut_short(error)
+            self._mcap.finish()
+            self._file.flush()
+            os.fsync(self._file.fileno())
+            self.partial.replace(self.path)
+
+    def _register(self, topic: str) -> int:
+        schema_encoding, encoding = ("jsonschema", "json") if topic in JSON_TOPICS else ("protobuf", "protobuf")
+        schema = self._mcap.register_schema(schema_name(topic), schema_encoding, schema_bytes(topic))
+        return self._mcap.register_channel(topic, encoding, schema)
+
+    def _append(self, topic: str, data: bytes, tick: int, counter: str) -> None:
+        sequence, log_time_ns = self._counters[counter], time_ns(tick)
+        self._mcap.add_message(self._channels[topic], log_time_ns, data, log_time_ns, sequence)
+        if topic == "/chain":
+            self._mcap.flush()
+        self._file.flush()
+        self._hash.add(topic, data, log_time_ns, sequence)
+        self._chain.add(topic, data)
+        self._counters[counter] += 1
+        self._tick = tick
+        self._results += topic == "/action/result"
+        self._ended |= topic == "/run/end"
+
+    def _cut_short(self, error: BaseException | None) -> None:
+        """Write the end record of a run that did not write its own."""
+        status: RunStatus = "interrupted" if isinstance(error, KeyboardInterrupt) else "error"
+        reason = "closed without an end record" if error is None else f"{type(error).__name__}: {error}".rstrip(": ")
+        probability, anchor = self._candidate
+        end = RunEnd(
+            status=status,
+            steps=self._results,
+            reason=reason.encode("utf-8", "backslashreplace").decode(),
+            goal_probability=probability,
+            anchor=anchor,
+        )
+        self.write("/run/end", end, self._tick)
+
+
+def _create(path: Path) -> IO[bytes]:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path.open("wb")
+    except OSError as error:
+        raise InputError([Fault(str(path), 0, 0, f"cannot write the trace here: {error.strerror}")]) from error
