@@ -11,20 +11,45 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import reduce
 from itertools import product
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skolem.reasoner.expressions import And, Atom, Exists, Expression, Lambda, Or, argument_term, constant_of
-from skolem.reasoner.protocols import BeliefQueries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import Compound, Term, compound
 from skolem.reasoner.vocabulary import Vocabulary
 from skolem.traces.errors import InternalError
+from skolem.traces.messages import Meaning
 
 MOST_ALTERNATIVES: Final = 32  # sets of properties kept per description, smallest first
 _NOTHING: Final = Compound("", ())
+
+
+class GroundBeliefs(Protocol):
+    """The part of `protocols.BeliefQueries` that gives descriptions their value."""
+
+    @property
+    def version(self) -> int:
+        """Equal versions mean equal answers."""
+        ...
+
+    def anchors(self) -> tuple[str, ...]:
+        """Every anchor believed to exist."""
+        ...
+
+    def prob_exists(self, anchor: str) -> float:
+        """P(there is such an object)."""
+        ...
+
+    def prob_property(self, anchor: str, meaning: Meaning) -> float:
+        """P(the object has the property), given that it exists."""
+        ...
+
+    def prob_on(self, anchor: str, support: str) -> float:
+        """P(the object rests on the top of `support`)."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +159,7 @@ def _unpaired(pairs: Term) -> Iterable[Term]:
 # ---------------------------------------------------------------- evaluating
 
 
-def evaluate(circuit: Circuit, belief: BeliefQueries, vocabulary: Vocabulary) -> dict[str, float]:
+def evaluate(circuit: Circuit, belief: GroundBeliefs, vocabulary: Vocabulary) -> dict[str, float]:
     """Return P(Den) of the description for every known anchor, in the belief's order."""
     beliefs = _Beliefs(belief, vocabulary)
     values = _value(circuit.root, (circuit.variable,), beliefs) * beliefs.exist
@@ -144,10 +169,11 @@ def evaluate(circuit: Circuit, belief: BeliefQueries, vocabulary: Vocabulary) ->
 class _Beliefs:
     """Beliefs in ground relations over the anchors, each asked for once."""
 
-    def __init__(self, belief: BeliefQueries, vocabulary: Vocabulary) -> None:
+    def __init__(self, belief: GroundBeliefs, vocabulary: Vocabulary) -> None:
         self._belief, self._meanings = belief, vocabulary.meanings
         self._memo: dict[tuple[str, tuple[Term, ...]], float] = {}
         self.anchors = belief.anchors()
+        self._known = frozenset(self.anchors)
         self.exist = np.array([belief.prob_exists(anchor) for anchor in self.anchors], dtype=np.float64)
 
     def ground(self, relation: str, args: tuple[Term, ...]) -> float:
@@ -162,7 +188,7 @@ class _Beliefs:
         return self._memo[key]
 
     def _ask(self, relation: str, args: tuple[Term, ...]) -> float:
-        known = all(anchor in self.anchors for anchor in args)
+        known = self._known.issuperset(args)
         match args:
             case (str(anchor),) if relation in self._meanings:
                 return self._belief.prob_property(anchor, self._meanings[relation]) if known else 0.0
@@ -192,8 +218,12 @@ def _leaf(leaf: Leaf, axes: tuple[Term, ...], beliefs: _Beliefs) -> NDArray[np.f
     """Return b(R(..)) for every choice of anchors for the variables of an atom."""
     used = [variable for variable in axes if variable in leaf.args]
     shape = tuple(len(beliefs.anchors) if variable in used else 1 for variable in axes)
+    places = [used.index(arg) if arg in used else None for arg in leaf.args]
     values = [
-        beliefs.ground(leaf.relation, tuple(dict(zip(used, chosen, strict=True)).get(arg, arg) for arg in leaf.args))
+        beliefs.ground(
+            leaf.relation,
+            tuple(arg if i is None else chosen[i] for i, arg in zip(places, leaf.args, strict=True)),
+        )
         for chosen in product(beliefs.anchors, repeat=len(used))
     ]
     return np.array(values, dtype=np.float64).reshape(shape)
@@ -248,7 +278,7 @@ class Denotations:
         self._version: int | None = None
         self._tables: dict[str, dict[str, float]] = {}
 
-    def table(self, expression: str, belief: BeliefQueries) -> Mapping[str, float]:
+    def table(self, expression: str, belief: GroundBeliefs) -> Mapping[str, float]:
         """Return P(Den) for every anchor."""
         if belief.version != self._version:
             self._version, self._tables = belief.version, {}
@@ -256,11 +286,11 @@ class Denotations:
             self._tables[expression] = evaluate(self.circuits[expression], belief, self._vocabulary)
         return self._tables[expression]
 
-    def probability(self, expression: str, anchor: str, belief: BeliefQueries) -> float:
+    def probability(self, expression: str, anchor: str, belief: GroundBeliefs) -> float:
         """Return P(Den); 0 for an unknown anchor."""
         return self.table(expression, belief).get(anchor, 0.0)
 
-    def conjuncts(self, expression: str, anchor: str, belief: BeliefQueries) -> dict[str, float]:
+    def conjuncts(self, expression: str, anchor: str, belief: GroundBeliefs) -> dict[str, float]:
         """Return the probability of each property that the description turns on: the parts of an explanation."""
         meanings = self._vocabulary.meanings
         return {word: belief.prob_property(anchor, meanings[word]) for word in self.circuits[expression].props}

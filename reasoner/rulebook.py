@@ -1,6 +1,7 @@
 """The rule files: loaded, validated and parsed once; solved anew for every question."""
 
 import hashlib
+import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -84,7 +85,9 @@ class Rulebook:
         statements = {file.name: found for file, found, _ in parsed}
         _raise(check([(file, statements[file.name]) for file in sources], queries_type))
         vocabulary, warnings = _vocabulary(sources, statements)
-        return cls(vocabulary, {f"{f.name}.lp": f.content for f in sources}, tuple(warnings), statements, sources)
+        book = cls(vocabulary, {f"{f.name}.lp": f.content for f in sources}, tuple(warnings), statements, sources)
+        weakref.finalize(book, statements.clear)  # at exit, syntax trees must be gone before clingo's library is
+        return book
 
     @property
     def sha256(self) -> dict[str, str]:
@@ -140,12 +143,12 @@ class _Context:
 
     def __getattr__(self, name: str) -> Callable[..., clingo.Symbol | list[clingo.Symbol]]:
         def call(*symbols: clingo.Symbol) -> clingo.Symbol | list[clingo.Symbol]:
-            arguments = [from_symbol(symbol) for symbol in symbols]
             try:
+                arguments = [from_symbol(symbol) for symbol in symbols]
                 found: Term | list[Term] = getattr(self._queries, name)(*arguments)
                 return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
             except Exception as error:
-                text = f"@{name}({', '.join(map(str, arguments))})"
+                text = f"@{name}({', '.join(map(str, symbols))})"
                 raise InternalError(f"query {text} failed: {type(error).__name__}: {error}") from error
 
         return call

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, Final
 
-from clingo import ast
+from clingo import SymbolType, ast
 from clingo.ast import AST, ASTType
 
 from skolem.reasoner.vocabulary import WORD_FACTS
@@ -168,6 +168,8 @@ class _Seen:
         for node in _descend(statement):
             if node.ast_type is ASTType.Function and node.external:
                 self.calls.append((node.name, len(node.arguments), at(node)))
+            if node.ast_type is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
+                self.faults.append(at(node)(f"{node} is a text; rules are written in constants"))
         if kind is ASTType.Defined:
             self.declared.add((statement.name, statement.arity))
         elif kind is ASTType.ShowSignature:
