@@ -209,7 +209,7 @@ def test_regression_finds_the_cost_that_exhaustive_forward_search_finds(
 ) -> None:
     instances, now, goal = problem
     table = Table(instances, now)
-    found = regression.search([goal], table, lambda _: 9, lambda *_: False, 3000, 50_000_000, again=True)
+    found = regression.search([goal], table, lambda _: 9, lambda *_: False, 3000, 50_000_000, None, again=True)
     expected = cheapest_forward(instances, terms(*now), goal, 8)
     assert (None if found.steps is None else found.cost) == expected
 

@@ -1,0 +1,80 @@
+"""From an action and what the robot's own joints said about it to events."""
+
+from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.events import Event, Moved, Picked, PickFailed, Placed, Posed
+from skolem.traces.messages import Action, ActionResult, Hand, NoiseModel, Pick, Place, Pose4
+
+
+def events_of(
+    action: Action,
+    result: ActionResult,
+    grasps: dict[Hand, tuple[str, Pose4]],
+    noise: NoiseModel,
+    config: EstimatorConfig,
+) -> tuple[Event, ...]:
+    """Return what an action did to the robot and its objects, in order.
+
+    Args:
+        action: What was commanded.
+        result: What the joints said.
+        grasps: Anchor and tool_T_object by the hand that held them before the action.
+        noise: Of wheels, and of objects at release.
+        config: Reads `closed_gap_m`, `dropped_sd_m` and `dropped_sd_rad`.
+    """
+    events: list[Event] = [Posed(robot=result.robot)]
+    if result.odometry is not None:
+        events += _drive(result.odometry, noise)
+    match action.command:
+        case Pick():
+            events += _pick(action, action.command, result, config)
+        case Place() if action.command.hand in grasps:
+            events += _place(action, action.command, result, grasps[action.command.hand], noise, config)
+    return tuple(events)
+
+
+def _drive(start_T_end: tuple[float, float, float], noise: NoiseModel) -> list[Event]:
+    """Return the drive; wheels that did not turn moved nothing."""
+    x, y, turn = start_T_end
+    distance = (x * x + y * y) ** 0.5
+    if distance == 0.0 and turn == 0.0:
+        return []
+    sd_m = noise.odometry_sd_m + noise.odometry_sd_per_m * distance
+    sd_rad = noise.odometry_sd_rad + noise.odometry_sd_per_rad * abs(turn)
+    return [Moved(start_T_end=start_T_end, sd_m=sd_m, sd_rad=sd_rad)]
+
+
+def _pick(action: Action, command: Pick, result: ActionResult, config: EstimatorConfig) -> list[Event]:
+    """Return whether fingers closed on the object; nothing if they did not close at all."""
+    if result.base_T_tool is None or result.gripper_gap_m is None:
+        return []
+    anchor = action.args[0]
+    if result.status == "failed" or result.gripper_gap_m < config.closed_gap_m:
+        return [PickFailed(anchor=anchor)]
+    pose, planned = result.base_T_tool, command.tool_T_object
+    return [Picked(hand=command.hand, anchor=anchor, base_T_tool=pose, tool_T_object=planned)]
+
+
+def _place(
+    action: Action,
+    command: Place,
+    result: ActionResult,
+    grasp: tuple[str, Pose4],
+    noise: NoiseModel,
+    config: EstimatorConfig,
+) -> list[Event]:
+    """Return where the object was released; nothing if the fingers did not open."""
+    if result.base_T_tool is None:
+        return []
+    anchor, tool_T_object = grasp
+    as_planned = result.status == "done"
+    return [
+        Placed(
+            hand=command.hand,
+            anchor=anchor,
+            base_T_tool=result.base_T_tool,
+            tool_z_object=tool_T_object[2],
+            support=action.args[1] if len(action.args) > 1 else None,
+            sd_m=noise.place_sd_m if as_planned else config.dropped_sd_m,
+            sd_rad=noise.place_sd_rad if as_planned else config.dropped_sd_rad,
+        )
+    ]

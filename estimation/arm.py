@@ -1,0 +1,50 @@
+"""Where the PR2's hands are, by its exact encoders: forward kinematics of both arms.
+
+Link offsets are those of the published PR2 model: shoulder at (-0.05, +-0.188, 0.739675) above `base_link`, which is
+0.051 m above the floor; upper arm 0.4 m, forearm 0.321 m, hand frame 0.18 m beyond the wrist.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.traces.messages import Hand, Pose2, RobotState
+
+SHOULDER_X_M, SHOULDER_Y_M, SHOULDER_Z_M = -0.05, 0.188, 0.051 + 0.739675
+# (joint axis, distance to the next joint along x, metres), from the shoulder's pan to the wrist's roll
+CHAIN = (("z", 0.1), ("y", 0.0), ("x", 0.4), ("y", 0.0), ("x", 0.321), ("y", 0.0), ("x", 0.18))
+
+
+def base_T_tool(robot: RobotState, hand: Hand) -> NDArray[np.float64]:
+    """Return the pose of a hand's tool frame (x along the fingers) in the base frame, shape (4, 4)."""
+    side = -1.0 if hand == "right" else 1.0
+    pose = np.eye(4)
+    pose[:3, 3] = (SHOULDER_X_M, side * SHOULDER_Y_M, SHOULDER_Z_M + robot.torso)
+    angles = robot.right_arm if hand == "right" else robot.left_arm
+    for (axis, length), angle in zip(CHAIN, angles, strict=True):
+        pose = pose @ _turn(axis, angle)
+        pose[:3, 3] += length * pose[:3, 0]
+    return pose
+
+
+def upright(x: float, y: float, z: float, theta: float) -> NDArray[np.float64]:
+    """Return the pose of an upright frame, shape (4, 4)."""
+    pose = _turn("z", theta)
+    pose[:3, 3] = (x, y, z)
+    return pose
+
+
+def flattened(pose: NDArray[np.float64]) -> Pose2:
+    """Return (x, y, heading of the x axis) of a pose of shape (4, 4)."""
+    return (float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0]))
+
+
+def _turn(axis: str, angle: float) -> NDArray[np.float64]:
+    """Return the rotation about a coordinate axis, shape (4, 4)."""
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    turn = np.eye(4)
+    turn[i, i] = turn[j, j] = math.cos(angle)
+    turn[j, i] = math.sin(angle)
+    turn[i, j] = -math.sin(angle)
+    return turn

@@ -1,0 +1,79 @@
+"""Which detection is of which anchor: squared Mahalanobis distance, a gate, and the best assignment of a whole look."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from skolem.estimation.se2 import Matrix, between, compose, log, turned
+from skolem.traces.messages import ObjectType, Pose2
+
+Array = NDArray[np.float64]
+FORBIDDEN = 1e6  # cost of a pair outside the gate; beyond any finite score
+MAX_LOG_ODDS = 50.0  # a detection is never surer than this
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """A detected pose.
+
+    Attributes:
+        base_T_object: Mean.
+        covariance: Over (x, y, theta), object frame, shape (3, 3).
+    """
+
+    base_T_object: Pose2
+    covariance: Matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """How a detection agrees with where an anchor is believed to be.
+
+    Attributes:
+        distance2: Squared Mahalanobis distance of the innovation.
+        log_density: Of the detection's pose, per square metre and radian.
+    """
+
+    distance2: float
+    log_density: float
+
+
+def with_heading_near(measured: Measured, predicted: float, kind: ObjectType) -> Measured:
+    """Return the same detection with, of all headings at which `kind` looks alike, the one nearest to `predicted`.
+
+    A cylinder looks alike at all headings, a box after half a turn, a square one after a quarter.
+    """
+    x, y, theta = measured.base_T_object
+    turn = predicted - theta
+    if kind.shape != "cylinder":
+        period = math.pi / 2.0 if kind.size_m[0] == kind.size_m[1] else math.pi
+        turn = period * round(turn / period)
+    pose = compose((x, y, theta), (0.0, 0.0, turn))
+    return Measured(pose, turned(measured.covariance, -turn))
+
+
+def match(believed: Pose2, covariance: Matrix, measured: Measured) -> Match:
+    """Return how well a detection agrees with a believed base_T_object and its covariance (object frame)."""
+    innovation = log(between(believed, measured.base_T_object))
+    spread = covariance + turned(measured.covariance, innovation[2])
+    distance2 = float(innovation @ np.linalg.solve(spread, innovation))
+    return Match(distance2, -0.5 * (distance2 + float(np.linalg.slogdet(math.tau * spread)[1])))
+
+
+def assign(scores: Array, unmatched: float) -> tuple[int | None, ...]:
+    """Return for each detection its anchor's column, or None for a new one, maximising the sum of scores.
+
+    Args:
+        scores: Log-likelihood ratio of each (detection, anchor) pair, shape (n, m); -inf where they cannot be one.
+        unmatched: Score of a detection that is of no anchor.
+    """
+    n, m = scores.shape
+    cost = np.full((n, m + n), FORBIDDEN)
+    cost[:, :m] = np.where(np.isfinite(scores), -scores, FORBIDDEN)
+    cost[np.arange(n), m + np.arange(n)] = -unmatched
+    rows, columns = linear_sum_assignment(cost)
+    chosen = dict(zip(rows.tolist(), columns.tolist(), strict=True))
+    return tuple(chosen[row] if chosen[row] < m else None for row in range(n))

@@ -1,0 +1,82 @@
+"""Whether an object exists and of which type it is: Bayes' rule on probabilities.
+
+Like colour and weight, a type belief is a frozen value: `updated` takes one observation, `prob` answers a property, and
+`prob_favourable` says how likely one more observation makes the property believed to at least p, given that it holds.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+ROUNDING = 1e-9  # a belief this far below a threshold counts as reaching it
+
+
+def after_miss(existence: float, p_reported: float) -> float:
+    """Return P(exists) after a look that would have reported the object with `p_reported` did not."""
+    absent = 1.0 - existence
+    seen_over = existence * (1.0 - p_reported)
+    return seen_over / (seen_over + absent) if absent > 0.0 else 1.0
+
+
+def after_evidence(existence: float, odds: float) -> float:
+    """Return P(exists) after something `odds` times likelier with the object than without it."""
+    return existence * odds / (existence * odds + 1.0 - existence)
+
+
+@dataclass(frozen=True, slots=True)
+class TypeBelief:
+    """A multinoulli over types.
+
+    Attributes:
+        probabilities: Of each type; they sum to 1.
+        readings: Types that the detector can report, sorted.
+        right: P(the type reported is the true one).
+    """
+
+    probabilities: dict[str, float]
+    readings: tuple[str, ...]
+    right: float
+
+    def likelihood(self, true: str, reported: str) -> float:
+        """Return P(reported | true): `right`, and errors spread evenly over the other types."""
+        if true == reported:
+            return self.right
+        return (1.0 - self.right) / max(1, len(self.readings) - 1)
+
+    def updated(self, log_likelihood: dict[str, float]) -> "TypeBelief":
+        """Return the belief after a detection whose cluster has that log-likelihood under each type it could be."""
+        reported = _softmax(log_likelihood)
+        return self._times({t: sum(w * self.likelihood(t, r) for r, w in reported.items()) for t in self.probabilities})
+
+    def evidence(self, log_likelihood: dict[str, float]) -> float:
+        """Return P(the reading), which is the normaliser of `updated`."""
+        reported = _softmax(log_likelihood)
+        return sum(p * w * self.likelihood(t, r) for t, p in self.probabilities.items() for r, w in reported.items())
+
+    def prob(self, kind: str) -> float:
+        """Return P(the object is of the type)."""
+        return self.probabilities.get(kind, 0.0)
+
+    def most_likely(self) -> str:
+        """Return the most probable type, the first by name among equals."""
+        return min(self.probabilities, key=lambda name: (-self.probabilities[name], name))
+
+    def prob_favourable(self, kind: str, p: float) -> float:
+        """Return P(one look lifts the belief in `kind` to at least `p` | it is of that type)."""
+        return sum(
+            self.likelihood(kind, reported)
+            for reported in self.readings
+            if self.updated({reported: 0.0}).prob(kind) >= p - ROUNDING
+        )
+
+    def _times(self, likelihood: dict[str, float]) -> "TypeBelief":
+        joint = {t: p * likelihood[t] for t, p in self.probabilities.items()}
+        total = sum(joint.values())
+        return replace(self, probabilities={t: v / total for t, v in joint.items()}) if total > 0.0 else self
+
+
+def _softmax(log_likelihood: dict[str, float]) -> dict[str, float]:
+    """Return weights that sum to 1, in order of name."""
+    highest = max(log_likelihood.values())
+    weights = {name: math.exp(log_likelihood[name] - highest) for name in sorted(log_likelihood)}
+    total = sum(weights.values())
+    return {name: weight / total for name, weight in weights.items()}

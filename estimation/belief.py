@@ -1,0 +1,233 @@
+"""The robot's belief: fed by what it did and observed, read by pure questions.
+
+Changed by events alone; the same events give the same belief, to the last bit.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from skolem.estimation.acting import events_of
+from skolem.estimation.checks import check_prior
+from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.events import Began, Event, Weighed
+from skolem.estimation.extrinsics import expected_look
+from skolem.estimation.fluents import prob_in_polygon, rectangle
+from skolem.estimation.looking import Look
+from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
+from skolem.estimation.se2 import Matrix, Vector, raised, turned, upper
+from skolem.estimation.tracks import Track, Tracks
+from skolem.estimation.visibility import outline_radius
+from skolem.estimation.weight import GRAVITY
+from skolem.traces import messages
+from skolem.traces.errors import InternalError
+from skolem.traces.messages import HANDS, Hand, HsvVolume, Meaning, ObjectBelief, Pose2, Pose4, Quantity, TypeIs
+
+
+@dataclass(frozen=True, slots=True)
+class Gaussian:
+    """A Gaussian belief on one quantity of one object.
+
+    Attributes:
+        mean: Shape (n,). pose: x, y, theta of base_T_object (m, rad); colour: hue, saturation, value (0..1);
+            weight: ln(kg).
+        covariance: Shape (n, n), same units squared. pose: tangent space of the mean, object frame.
+        probability: Mixture weight P_b: that the object exists at all.
+    """
+
+    mean: Vector
+    covariance: Matrix
+    probability: float
+
+
+class Belief:
+    """Where the base and the objects are, and what the objects are like."""
+
+    def __init__(self, prior: messages.Prior, config: EstimatorConfig | None = None) -> None:
+        """Begin with a prior.
+
+        Raises:
+            InputError: If the prior contradicts itself, with every fault.
+        """
+        check_prior(prior)
+        self._begin(config or EstimatorConfig())
+        self.apply(Began(prior=prior))
+
+    @classmethod
+    def from_events(cls, events: Iterable[Event], config: EstimatorConfig | None = None) -> "Belief":
+        """Return the belief after a log of events, which starts with `Began`."""
+        belief = cls.__new__(cls)
+        belief._begin(config or EstimatorConfig())
+        for event in events:
+            belief.apply(event)
+        return belief
+
+    def _begin(self, config: EstimatorConfig) -> None:
+        self._config = config
+        self._graph, self._tracks = PoseGraph(config), Tracks(config)
+        self._events: list[Event] = []
+        self._relative: dict[tuple[str, str], tuple[Pose2, Matrix]] = {}
+
+    # ------------------------------------------------------------ change
+
+    def update(self, action: messages.Action, result: messages.ActionResult, observation: messages.Observation) -> None:
+        """Take in one executed action, what the joints said about it, and what the sensors saw after it."""
+        grasps = {hand: (anchor, self._graph.tool_T_object(hand)) for hand in HANDS if (anchor := self.held(hand))}
+        for event in events_of(action, result, grasps, self._tracks.prior.noise, self._config):
+            self.apply(event)
+        if observation.kind == "look":
+            self.apply(Look(observation, self._graph, self._tracks, self._config).event())
+        if observation.wrench is not None and (anchor := self.held(observation.wrench.hand)):
+            self.apply(Weighed(anchor=anchor, kg=-observation.wrench.force_newton[2] / GRAVITY))
+
+    def apply(self, event: Event) -> None:
+        """Take in one event; one that does not fit raises `InternalError` and changes nothing."""
+        self._graph.apply(event)
+        self._tracks.apply(event)
+        self._events.append(event)
+        self._relative.clear()
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Everything that happened, in order."""
+        return tuple(self._events)
+
+    # ------------------------------------------------------------ questions of the reasoner
+
+    @property
+    def version(self) -> int:
+        """Number of events applied so far."""
+        return len(self._events)
+
+    def anchors(self) -> tuple[str, ...]:
+        """Every anchor believed to exist, in order of introduction."""
+        return self._tracks.listed()
+
+    def prob_exists(self, anchor: str) -> float:
+        """P(there is such an object); 0 for an unknown anchor."""
+        track = self._tracks.get(anchor)
+        return track.exists if track else 0.0
+
+    def prob_property(self, anchor: str, meaning: Meaning) -> float:
+        """P(the object has the property), given that it exists."""
+        track = self._tracks[anchor]
+        if isinstance(meaning, TypeIs):
+            return track.types.prob(meaning.type)
+        if isinstance(meaning, HsvVolume):
+            return track.colour.prob(meaning)
+        return track.weight.prob(meaning)
+
+    def prob_on(self, anchor: str, support: str) -> float:
+        """P(the object exists and rests wholly on the top of `support`); 0 while it is held."""
+        track, below = self._tracks.get(anchor), self._tracks.get(support)
+        if track is None or below is None or track.hand or below.hand or track.support != support:
+            return 0.0
+        if not self._tracks.rests_at(track.z, track.z_variance, support):
+            return 0.0
+        size = self._tracks.kind(support).size_m
+        margin = 2.0 * outline_radius(self._tracks.kind(anchor))
+        if min(size[0], size[1]) <= margin:
+            return 0.0
+        support_T_object, covariance = self._relation(support, anchor)
+        inside = turned(covariance, support_T_object[2])[:2, :2]
+        free = rectangle((size[0] - margin, size[1] - margin))
+        return track.exists * prob_in_polygon(np.array(support_T_object[:2]), inside, free)
+
+    def graspable(self, anchor: str) -> bool:
+        """Whether the most likely type can be grasped by a hand."""
+        return self._tracks.kind(anchor).graspable
+
+    def held(self, hand: Hand) -> str | None:
+        """The anchor in that hand, or None."""
+        return self._tracks.held(hand)
+
+    def gaussian(self, quantity: Quantity, anchor: str) -> Gaussian:
+        """The present belief on pose (relative to the base), colour or weight (ln kg)."""
+        track = self._tracks[anchor]
+        if quantity == "pose":
+            mean, covariance = self._relation(BASE, anchor)
+            return Gaussian(np.array(mean), covariance.copy(), track.exists)
+        if quantity == "colour":
+            return Gaussian(np.array(track.colour.mean), np.diag(track.colour.variance), track.exists)
+        if quantity == "weight":
+            log_kg, variance = track.weight.matched()
+            return Gaussian(np.array([log_kg]), np.array([[variance]]), track.exists)
+        raise InternalError(f"'{quantity}' is not a Gaussian quantity; those are: pose, colour, weight")
+
+    def observation_covariance(self, quantity: Quantity, anchor: str) -> Matrix:
+        """Covariance of one observation of the quantity, in the space of `gaussian`."""
+        track = self._tracks[anchor]
+        if quantity == "pose":
+            mean, _ = self._relation(BASE, anchor)
+            return expected_look(mean, self._tracks.kind(anchor), self._tracks.prior.noise, self._config)
+        if quantity == "colour":
+            return np.diag(track.colour.observation_variance())
+        if quantity == "weight":
+            return np.array([[track.weight.observation_variance()]])
+        raise InternalError(f"'{quantity}' is not a Gaussian quantity; those are: pose, colour, weight")
+
+    def prob_detected(self, anchor: str) -> float:
+        """P(a look at the object reports it | it exists and is in view); 0 for what the detector does not look for."""
+        return self._tracks.prior.noise.found if self.graspable(anchor) else 0.0
+
+    def prob_type_right(self) -> float:
+        """P(a look reports the true type | it reports the object)."""
+        return self._tracks.prior.noise.type_right
+
+    def prob_favourable(self, anchor: str, meaning: Meaning, p: float) -> float:
+        """P(one observation lifts the belief in the property to at least `p` | the object has the property)."""
+        track = self._tracks[anchor]
+        if isinstance(meaning, TypeIs):
+            return track.types.prob_favourable(meaning.type, p)
+        if isinstance(meaning, HsvVolume):
+            return track.colour.prob_favourable(meaning, p)
+        return track.weight.prob_favourable(meaning, p)
+
+    def _relation(self, a: str, b: str) -> tuple[Pose2, Matrix]:
+        """Return mean and covariance of a_T_b; kept until the next event."""
+        if (a, b) not in self._relative:
+            self._relative[a, b] = self._graph.relative(a, b)
+        return self._relative[a, b]
+
+    # ------------------------------------------------------------ snapshot
+
+    def snapshot(self, step: int) -> messages.Belief:
+        """Return the whole belief as a message: the anchors that are listed, and their joint covariance."""
+        anchors = self.anchors()
+        joint = self._graph.joint((BASE, *anchors))
+        x, y, theta = joint.world_T_body[0]
+        return messages.Belief(
+            step=step,
+            version=self.version,
+            world_T_base=(x + 0.0, y + 0.0, theta + 0.0),
+            base_covariance=upper(joint.block(0)),
+            robot=self._graph.robot,
+            anchors=anchors,
+            objects={anchor: self._object(anchor, joint, i + 1) for i, anchor in enumerate(anchors)},
+            keys=joint.names,
+            joint_covariance=tuple(float(v) + 0.0 for v in joint.covariance[np.triu_indices(len(joint.covariance))]),
+        )
+
+    def _object(self, anchor: str, joint: Joint, index: int) -> ObjectBelief:
+        track = self._tracks[anchor]
+        log_kg, variance = track.weight.matched()
+        return ObjectBelief(
+            exists=track.exists,
+            type=track.types.probabilities,
+            world_T_object=raised(joint.world_T_body[index], self._z(track)),
+            covariance=upper(joint.block(index)),
+            support=track.support,
+            in_hand=track.hand,
+            tool_T_object=self._grasp(track),
+            colour=messages.HsvBelief(mean=track.colour.mean, variance=track.colour.variance),
+            colour_seen=track.colour.seen,
+            log_weight=(log_kg + 0.0, variance + 0.0),
+            weighed=track.weight.count > 0,
+        )
+
+    def _z(self, track: Track) -> float:
+        return self._graph.base_T_held(track.hand)[2] if track.hand else track.z
+
+    def _grasp(self, track: Track) -> Pose4 | None:
+        return self._graph.tool_T_object(track.hand) if track.hand else None

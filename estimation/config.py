@@ -1,0 +1,66 @@
+"""What the estimator assumes beyond the noise model it is given, each number with its unit and reason."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class EstimatorConfig:
+    """Assumptions of the estimator.
+
+    Attributes:
+        listed: Existence from which an anchor is listed: more likely real than not.
+        most_sure: Existence of an object the robot is told of, and the most it believes of any: someone may have taken
+            it. From here two to three misses in plain view unlist it.
+        retired: Existence below which an anchor is no longer matched with detections.
+        gate: Squared Mahalanobis distance beyond which a detection is of something else: chi-square, 3 degrees, .999.
+        new_per_look: Expected number of real objects per look of which the robot had no anchor.
+        view_area_m2: Floor area over which false detections and unknown objects are spread.
+        seen_share: Share of an object's outline that must be in sight for the detector to report it.
+        depth_margin_m: Something nearer than an object's front by more than this hides it; camera and fit errors.
+        sight_m: Distance from the camera beyond which objects are not detected.
+        typical_range_m: Horizontal distance from which the robot looks at what it examines.
+        typical_drop_m: How far below the camera things stand: a head at 1.4 m, a table at 0.7 m.
+        fit_sd_m: Of a detection's place beside the camera's error.
+        fit_sd_rad: Of the heading of a box beside the camera's error.
+        unknown_heading_sd_rad: Of the heading of a cylinder, uniform over the circle: pi / sqrt(3).
+        height_sd_m: Of where the base of a resting object is, given its support.
+        height_tolerance_m: Height above a support's top up to which an object can be resting on it.
+        capture_sd_m: Where an object can be between the fingers that hold it, each axis: uniform over 3.5 cm each way.
+        capture_sd_rad: The same for its heading.
+        pushed_sd_m: How far a failed pick may push the object, each axis.
+        pushed_sd_rad: How far a failed pick may turn it.
+        dropped_sd_m: How far an object may lie from where a failed place released it, each axis.
+        dropped_sd_rad: The same for its heading.
+        pick_fails: P(a pick closes on nothing | the object exists).
+        pick_deceives: P(a pick closes on something | the object does not exist).
+        closed_gap_m: Gap between the fingers below which they hold nothing.
+        least_sd: Floor of every sd that enters the graph, metres or radians: keeps the information matrix well
+            conditioned; a tenth of a millimetre is below what any sensor resolves.
+    """
+
+    listed: float = 0.5
+    most_sure: float = 0.99
+    retired: float = 1e-3
+    gate: float = 16.266
+    new_per_look: float = 0.05
+    view_area_m2: float = 1.0
+    seen_share: float = 0.75
+    depth_margin_m: float = 0.03
+    sight_m: float = 2.4
+    typical_range_m: float = 1.0
+    typical_drop_m: float = 0.7
+    fit_sd_m: float = 0.002
+    fit_sd_rad: float = 0.05
+    unknown_heading_sd_rad: float = 1.8138
+    height_sd_m: float = 0.003
+    height_tolerance_m: float = 0.03
+    capture_sd_m: float = 0.02
+    capture_sd_rad: float = 0.2
+    pushed_sd_m: float = 0.03
+    pushed_sd_rad: float = 0.3
+    dropped_sd_m: float = 0.05
+    dropped_sd_rad: float = 1.0
+    pick_fails: float = 0.1
+    pick_deceives: float = 0.01
+    closed_gap_m: float = 0.005
+    least_sd: float = 1e-4

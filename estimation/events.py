@@ -1,0 +1,121 @@
+"""What happened to the robot and its objects, as far as it can tell: the log from which every belief can be rebuilt.
+
+An event carries all it takes to apply it: which anchor a detection was assigned to is part of what happened, so
+reading a log back does not assign again. Events are messages: frozen, validated, with one canonical JSON form.
+"""
+
+from collections.abc import Iterable
+from typing import Annotated, Literal
+
+from pydantic import Field, TypeAdapter
+
+from skolem.traces.messages import Anchor, Detection, Hand, Message, Pose2, Pose4, Prior, Probability, RobotState
+
+Upper6 = tuple[float, float, float, float, float, float]
+
+
+class Began(Message):
+    """The robot was told its prior belief."""
+
+    kind: Literal["began"] = "began"
+    prior: Prior
+
+
+class Posed(Message):
+    """The encoders read so."""
+
+    kind: Literal["posed"] = "posed"
+    robot: RobotState
+
+
+class Moved(Message):
+    """The base drove; sds are of the true motion around the wheels' word, in the frame of its end."""
+
+    kind: Literal["moved"] = "moved"
+    start_T_end: Pose2
+    sd_m: float
+    sd_rad: float
+
+
+class Sighting(Message):
+    """A detection and the anchor it was assigned to."""
+
+    anchor: Anchor
+    new: bool = Field(description="the anchor was made for this detection")
+    support: Anchor | None = Field(default=None, description="of a new anchor: what it stands on; null: the floor")
+    camera_T_object: Pose2 = Field(description="in the base frame as the camera had it, error included")
+    covariance: Upper6 = Field(description="of the sighting alone over (x, y, theta), object frame")
+    z: float
+    z_sd_m: float
+    odds: float = Field(description="how many times likelier the detection is with the object than without")
+    detection: Detection
+
+
+class Missed(Message):
+    """An anchor that a look did not report."""
+
+    anchor: Anchor
+    p_reported: Probability = Field(description="P(the look reports it | it exists)")
+
+
+class Looked(Message):
+    """A picture was taken."""
+
+    kind: Literal["looked"] = "looked"
+    camera_covariance: Upper6 = Field(
+        description="of the error common to all sightings, over (x, y, theta), base frame"
+    )
+    sightings: tuple[Sighting, ...]
+    missed: tuple[Missed, ...]
+
+
+class Picked(Message):
+    """Fingers closed on an object."""
+
+    kind: Literal["picked"] = "picked"
+    hand: Hand
+    anchor: Anchor
+    base_T_tool: Pose4
+    tool_T_object: Pose4 = Field(description="as planned")
+
+
+class PickFailed(Message):
+    """Fingers closed on nothing; the object may have been pushed."""
+
+    kind: Literal["pick_failed"] = "pick_failed"
+    anchor: Anchor
+
+
+class Placed(Message):
+    """Fingers opened and left an object; sds are of its motion at release."""
+
+    kind: Literal["placed"] = "placed"
+    hand: Hand
+    anchor: Anchor
+    base_T_tool: Pose4
+    tool_z_object: float = Field(description="height of the object in the hand, metres")
+    support: Anchor | None
+    sd_m: float
+    sd_rad: float
+
+
+class Weighed(Message):
+    """The wrist that holds an object felt it."""
+
+    kind: Literal["weighed"] = "weighed"
+    anchor: Anchor
+    kg: float
+
+
+Event = Annotated[Began | Posed | Moved | Looked | Picked | PickFailed | Placed | Weighed, Field(discriminator="kind")]
+EVENT: TypeAdapter[Event] = TypeAdapter(Event)
+
+
+def canonical_order(detections: Iterable[Detection]) -> tuple[Detection, ...]:
+    """Return detections sorted by pose, colour, likelihoods and points, so that no sensor's order decides anything."""
+
+    def key(detection: Detection) -> tuple[object, ...]:
+        numbers = (*detection.base_T_object, *detection.rgb)
+        return (tuple(round(n, 9) for n in numbers), sorted(detection.type_log_likelihood.items()), detection.points)
+
+    return tuple(sorted(detections, key=key))

@@ -1,0 +1,150 @@
+"""From a picture to an event: which detection is of which anchor, what is new, and what should have been seen."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from skolem.estimation.association import Match, Measured, assign, match, with_heading_near
+from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.events import Looked, Missed, Sighting, canonical_order
+from skolem.estimation.extrinsics import camera_covariance, own_covariance, sighting_z_sd
+from skolem.estimation.fluents import prob_in_polygon, rectangle
+from skolem.estimation.pose_graph import BASE, PoseGraph
+from skolem.estimation.se2 import Matrix, between, flat, symmetric, turned, upper
+from skolem.estimation.tracks import Tracks
+from skolem.estimation.visibility import camera_position, prob_visible
+from skolem.traces.messages import Detection, NoiseModel, Observation, Pose2
+
+LIKELY = 0.5  # a new object stands on the table that more likely than not is under it
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """Where an anchor is believed to be: base_T_object and its covariance, object frame."""
+
+    anchor: str
+    base_T_object: Pose2
+    covariance: Matrix
+
+
+class Look:
+    """The interpretation of one look on the belief before it."""
+
+    def __init__(self, observation: Observation, graph: PoseGraph, tracks: Tracks, config: EstimatorConfig) -> None:
+        self._graph, self._tracks, self._config = graph, tracks, config
+        self._noise: NoiseModel = tracks.prior.noise
+        self._view = observation.view
+        self._detections = canonical_order(observation.detections)
+        self._expected = tuple(Expected(a, *graph.relative(BASE, a)) for a in tracks.detectable())
+        self._camera = (
+            np.array([0.0, 0.0, config.typical_drop_m]) if self._view is None else camera_position(self._view)
+        )
+        heights = [detection.base_T_object[2] for detection in self._detections]
+        drop = float(self._camera[2]) - sum(heights) / len(heights) if heights else config.typical_drop_m
+        self._camera_covariance = camera_covariance(self._noise, self._camera[:2], drop)
+
+    def event(self) -> Looked:
+        """Return what the look showed."""
+        matches = [[self._match(d, e) for e in self._expected] for d in self._detections]
+        scores = np.array(
+            [
+                [self._score(d, e, m) for e, m in zip(self._expected, row, strict=True)]
+                for d, row in zip(self._detections, matches, strict=True)
+            ]
+        )
+        columns = assign(scores.reshape(len(self._detections), len(self._expected)), self._unmatched())
+        names = iter(self._tracks.new_names(columns.count(None)))
+        sightings = tuple(
+            self._new(detection, next(names))
+            if column is None
+            else self._known(detection, self._expected[column], row[column])
+            for detection, column, row in zip(self._detections, columns, matches, strict=True)
+        )
+        missed = tuple(self._missed(e) for i, e in enumerate(self._expected) if i not in columns)
+        return Looked(
+            camera_covariance=upper(self._camera_covariance),
+            sightings=sightings,
+            missed=tuple(miss for miss in missed if miss.p_reported > 0.0),
+        )
+
+    # ------------------------------------------------------------ scores
+
+    def _measured(self, detection: Detection, expected: Expected) -> Measured:
+        measured = Measured(flat(detection.base_T_object), symmetric(detection.covariance))
+        return with_heading_near(measured, expected.base_T_object[2], self._tracks.kind(expected.anchor))
+
+    def _match(self, detection: Detection, expected: Expected) -> Match:
+        return match(expected.base_T_object, expected.covariance, self._measured(detection, expected))
+
+    def _score(self, detection: Detection, expected: Expected, m: Match) -> float:
+        """Return the log-likelihood ratio of "the detection is of this anchor" to "the anchor was not reported"."""
+        if m.distance2 > self._config.gate:
+            return -math.inf
+        reported = self._tracks[expected.anchor].exists * self._noise.found
+        return self._log_likelihood(detection, expected, m) + math.log(reported / (1.0 - reported))
+
+    def _log_likelihood(self, detection: Detection, expected: Expected, m: Match) -> float:
+        evidence = self._tracks[expected.anchor].types.evidence(detection.type_log_likelihood)
+        return m.log_density + math.log(max(evidence, 1e-300))
+
+    def _unmatched(self) -> float:
+        """Return the log density of detections that are of no anchor, over place, heading and reported type."""
+        rate = self._noise.false_per_look + self._config.new_per_look
+        kinds = sum(kind.graspable for kind in self._tracks.prior.types.values())
+        return math.log(rate / (self._config.view_area_m2 * math.tau * kinds))
+
+    # ------------------------------------------------------------ outcomes
+
+    def _known(self, detection: Detection, expected: Expected, m: Match) -> Sighting:
+        log_odds = math.log(self._noise.found) + self._log_likelihood(detection, expected, m) - self._unmatched()
+        return self._sighting(
+            detection, self._measured(detection, expected), expected.anchor, False, None, math.exp(log_odds)
+        )
+
+    def _new(self, detection: Detection, name: str) -> Sighting:
+        measured = Measured(flat(detection.base_T_object), symmetric(detection.covariance))
+        return self._sighting(detection, measured, name, True, self._support_under(detection), 1.0)
+
+    def _sighting(
+        self, detection: Detection, measured: Measured, anchor: str, new: bool, support: str | None, odds: float
+    ) -> Sighting:
+        return Sighting(
+            anchor=anchor,
+            new=new,
+            support=support,
+            camera_T_object=measured.base_T_object,
+            covariance=upper(own_covariance(measured, self._camera_covariance, self._config)),
+            z=detection.base_T_object[2],
+            z_sd_m=self._z_sd(detection),
+            odds=odds,
+            detection=detection,
+        )
+
+    def _z_sd(self, detection: Detection) -> float:
+        x, y, _, _ = detection.base_T_object
+        return sighting_z_sd(self._noise, math.hypot(x - self._camera[0], y - self._camera[1]), self._config)
+
+    def _support_under(self, detection: Detection) -> str | None:
+        """Return the table on whose top a detected object probably stands."""
+        pose, spread = flat(detection.base_T_object), symmetric(detection.covariance)
+        z, z_variance = detection.base_T_object[2], self._z_sd(detection) ** 2
+        best, best_probability = None, LIKELY
+        for name in self._tracks.listed():
+            kind = self._tracks.kind(name)
+            if kind.shape != "table" or not self._tracks.rests_at(z, z_variance, name):
+                continue
+            base_T_table, covariance = self._graph.relative(BASE, name)
+            table_T_object = between(base_T_table, pose)
+            total = turned(spread, table_T_object[2])[:2, :2] + covariance[:2, :2]
+            probability = prob_in_polygon(np.array(table_T_object[:2]), total, rectangle(kind.size_m[:2]))
+            if probability > best_probability:
+                best, best_probability = name, probability
+        return best
+
+    def _missed(self, expected: Expected) -> Missed:
+        if self._view is None:
+            return Missed(anchor=expected.anchor, p_reported=0.0)
+        track, kind = self._tracks[expected.anchor], self._tracks.kind(expected.anchor)
+        seen = prob_visible(self._view, expected.base_T_object, expected.covariance, track.z, kind, self._config)
+        return Missed(anchor=expected.anchor, p_reported=min(1.0, seen * self._noise.found))

@@ -1,0 +1,322 @@
+"""The joint Gaussian over base, objects and grasps: a GTSAM factor graph fed by events.
+
+The event log is the source of truth and the incremental smoother a cache over it. Variables:
+
+    x(t)            world_T_base after the t-th drive
+    c(k)            the base frame as the k-th look had it: x(t) and the camera's error, which all its sightings share
+    o(anchor, n)    world_T_object; a new one each time the object was moved
+    g(k)            tool_T_object of the k-th pick
+
+Covariances are in the tangent space of the mean, (x, y, theta) in the body's own frame.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import gtsam
+import numpy as np
+
+from skolem.estimation import arm
+from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.events import Began, Event, Looked, Moved, Picked, PickFailed, Placed, Posed, Weighed
+from skolem.estimation.se2 import Matrix, adjoint, between, compose, flat, inverse, raised, relative_jacobian, symmetric
+from skolem.traces.errors import InternalError
+from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
+
+BASE = "base"
+EPOCHS = 1 << 20  # epochs of one anchor
+RELINEARIZE_FROM = 0.01  # change of a variable, metres or radians, from which its factors are linearised anew
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint Gaussian over named poses.
+
+    Attributes:
+        names: Anchors, or "base".
+        world_T_body: Mean of each.
+        covariance: Shape (3n, 3n), tangent space of each mean, in the order of `names`.
+    """
+
+    names: tuple[str, ...]
+    world_T_body: tuple[Pose2, ...]
+    covariance: Matrix
+
+    def block(self, index: int) -> Matrix:
+        """Return the marginal covariance of one pose, shape (3, 3)."""
+        return self.covariance[3 * index : 3 * index + 3, 3 * index : 3 * index + 3]
+
+
+@dataclass(frozen=True, slots=True)
+class Grasp:
+    """The variable of a grasp and what it holds."""
+
+    key: int
+    anchor: str
+    z: float  # of tool_T_object, metres
+
+
+def grasp_factor(base: int, item: int, grasp: int, base_T_tool: Pose2, sds: tuple[float, float]) -> gtsam.CustomFactor:
+    """Return the factor base * base_T_tool * grasp = item, with an analytic Jacobian.
+
+    Args:
+        base: Key of world_T_base.
+        item: Key of world_T_object.
+        grasp: Key of tool_T_object.
+        base_T_tool: Exact.
+        sds: Of the object's motion in its own frame, metres and radians.
+    """
+    tool = gtsam.Pose2(*base_T_tool)
+
+    def error(_: gtsam.CustomFactor, values: gtsam.Values, jacobians: list[Matrix] | None) -> Matrix:
+        held = tool.compose(values.atPose2(grasp))
+        seen = values.atPose2(base).between(values.atPose2(item))
+        off = held.between(seen)
+        if jacobians is not None:
+            d = gtsam.Pose2.LogmapDerivative(off)
+            jacobians[0] = -d @ seen.inverse().AdjointMap()
+            jacobians[1] = d
+            jacobians[2] = -d @ off.inverse().AdjointMap()
+        return np.asarray(gtsam.Pose2.Logmap(off))
+
+    return gtsam.CustomFactor(_sds(sds[0], sds[1]), [base, item, grasp], error)
+
+
+def _sds(sd_m: float, sd_rad: float) -> gtsam.noiseModel.Diagonal:
+    return gtsam.noiseModel.Diagonal.Sigmas(np.array([sd_m, sd_m, sd_rad]))
+
+
+def _tuple(pose: gtsam.Pose2) -> Pose2:
+    return (pose.x(), pose.y(), pose.theta())
+
+
+class PoseGraph:
+    """Where the base and the objects are."""
+
+    def __init__(self, config: EstimatorConfig) -> None:
+        self._config = config
+        self._log: list[Event] = []
+        self._reset()
+
+    def _reset(self) -> None:
+        parameters = gtsam.ISAM2Params()
+        parameters.setRelinearizeThreshold(RELINEARIZE_FROM)
+        parameters.relinearizeSkip = 1
+        self._isam = gtsam.ISAM2(parameters)
+        self._robot: RobotState | None = None
+        self._noise = (0.0, 0.0)  # of a grasp, metres and radians
+        self._base = gtsam.symbol("x", 0)
+        self._moves = self._looks = self._picks = 0
+        self._numbers: dict[str, int] = {}
+        self._epochs: dict[str, int] = {}
+        self._grasps: dict[Hand, Grasp] = {}
+
+    # ------------------------------------------------------------ change
+
+    def apply(self, event: Event) -> None:
+        """Take in one event.
+
+        Raises:
+            InternalError: If the event does not fit the graph; it then leaves no trace.
+        """
+        try:
+            self._apply(event)
+        except (RuntimeError, KeyError) as error:
+            self.rebuild(tuple(self._log))
+            raise InternalError(f"event '{event.kind}' does not fit the pose graph: {error}") from error
+        self._log.append(event)
+
+    def rebuild(self, events: Iterable[Event]) -> None:
+        """Forget everything and take in `events`."""
+        self._reset()
+        self._log = []
+        for event in events:
+            self._apply(event)
+            self._log.append(event)
+
+    def _apply(self, event: Event) -> None:
+        match event:
+            case Began():
+                self._begin(event)
+            case Posed():
+                self._robot = event.robot
+            case Moved():
+                self._move(event)
+            case Looked():
+                self._look(event)
+            case Picked():
+                self._pick(event)
+            case PickFailed():
+                self._push(event)
+            case Placed():
+                self._place(event)
+            case Weighed():
+                self._key(event.anchor)
+
+    def _begin(self, event: Began) -> None:
+        prior = event.prior
+        self._robot = prior.robot
+        self._noise = (self._sd(prior.noise.grasp_sd_m), self._sd(prior.noise.grasp_sd_rad))
+        sds = {self._base: _sds(self._sd(prior.base_sd_xy_m), self._sd(prior.base_sd_theta_rad))}
+        values = {self._base: prior.world_T_base}
+        for item in prior.objects:
+            key = self._introduce(item.anchor)
+            sds[key] = _sds(self._sd(item.sd_xy_m), self._sd(item.sd_theta_rad))
+            values[key] = flat(item.world_T_object)
+        self._update([gtsam.PriorFactorPose2(key, gtsam.Pose2(*values[key]), sds[key]) for key in values], values)
+
+    def _move(self, event: Moved) -> None:
+        start = self._base
+        self._moves += 1
+        end = gtsam.symbol("x", self._moves)
+        noise = _sds(self._sd(event.sd_m), self._sd(event.sd_rad))
+        factor = gtsam.BetweenFactorPose2(start, end, gtsam.Pose2(*event.start_T_end), noise)
+        self._update([factor], {end: compose(self._at(start), event.start_T_end)})
+        self._base = end
+
+    def _look(self, event: Looked) -> None:
+        for miss in event.missed:
+            self._key(miss.anchor)
+        if not event.sightings:
+            return
+        self._looks += 1
+        camera = gtsam.symbol("c", self._looks)
+        values = {camera: self._at(self._base)}
+        factors = [self._between(self._base, camera, (0.0, 0.0, 0.0), symmetric(event.camera_covariance))]
+        for sighting in event.sightings:
+            if sighting.new:
+                key = self._introduce(sighting.anchor)
+                values[key] = compose(values[camera], sighting.camera_T_object)
+            key = self._key(sighting.anchor)
+            factors.append(self._between(camera, key, sighting.camera_T_object, symmetric(sighting.covariance)))
+        self._update(factors, values)
+
+    def _pick(self, event: Picked) -> None:
+        item = self._key(event.anchor)
+        self._picks += 1
+        grasp = gtsam.symbol("g", self._picks)
+        planned, capture = flat(event.tool_T_object), _sds(self._config.capture_sd_m, self._config.capture_sd_rad)
+        base_T_tool = flat(event.base_T_tool)
+        tool_T_object = between(base_T_tool, between(self._at(self._base), self._at(item)))
+        factors = [
+            grasp_factor(self._base, item, grasp, base_T_tool, self._noise),
+            gtsam.PriorFactorPose2(grasp, gtsam.Pose2(*planned), capture),
+        ]
+        self._update(factors, {grasp: tool_T_object})
+        self._grasps[event.hand] = Grasp(grasp, event.anchor, event.tool_T_object[2])
+
+    def _push(self, event: PickFailed) -> None:
+        before = self._key(event.anchor)
+        after = self._next_epoch(event.anchor)
+        noise = _sds(self._config.pushed_sd_m, self._config.pushed_sd_rad)
+        self._update([gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(), noise)], {after: self._at(before)})
+
+    def _place(self, event: Placed) -> None:
+        grasp = self._grasps.pop(event.hand)
+        after, base_T_tool = self._next_epoch(grasp.anchor), flat(event.base_T_tool)
+        sds = (self._sd(event.sd_m), self._sd(event.sd_rad))
+        start = compose(self._at(self._base), compose(base_T_tool, self._at(grasp.key)))
+        self._update([grasp_factor(self._base, after, grasp.key, base_T_tool, sds)], {after: start})
+
+    # ------------------------------------------------------------ questions
+
+    @property
+    def smoother(self) -> gtsam.ISAM2:
+        """The cache itself, for inspection; do not change it."""
+        return self._isam
+
+    @property
+    def robot(self) -> RobotState:
+        """What the encoders last said."""
+        assert self._robot is not None, "the first event is Began"
+        return self._robot
+
+    def tool_T_object(self, hand: Hand) -> Pose4:
+        """Return the mean grasp of a hand that holds something."""
+        grasp = self._grasps[hand]
+        return raised(self._at(grasp.key), grasp.z)
+
+    def base_T_held(self, hand: Hand) -> Pose4:
+        """Return where a hand that holds something carries it now; theta is its x axis seen from above."""
+        x, y, z, theta = self.tool_T_object(hand)
+        base_T_object = arm.base_T_tool(self.robot, hand) @ arm.upright(x, y, z, theta)
+        return raised(arm.flattened(base_T_object), float(base_T_object[2, 3]))
+
+    def joint(self, names: Iterable[str]) -> Joint:
+        """Return the joint Gaussian of world poses; an object in a hand is where the hand carries it now.
+
+        Raises:
+            InternalError: If there is no such anchor.
+        """
+        names = tuple(names)
+        keys, means, terms = [self._base], [], []
+        for name in names:
+            mean, key, of_base = self._as_variable(name)
+            means.append(mean)
+            terms.append((of_base, None if key is None else len(keys)))
+            keys += [] if key is None else [key]
+        linear = np.zeros((3 * len(names), 3 * len(keys)))
+        for row, (of_base, column) in enumerate(terms):
+            if of_base is not None:
+                linear[3 * row : 3 * row + 3, :3] = of_base
+            if column is not None:
+                linear[3 * row : 3 * row + 3, 3 * column : 3 * column + 3] = np.eye(3)
+        covariance = linear @ self._covariance(keys) @ linear.T
+        return Joint(names, tuple(means), (covariance + covariance.T) / 2.0)
+
+    def _as_variable(self, name: str) -> tuple[Pose2, int | None, Matrix | None]:
+        """Return world_T_body, the key whose tangent adds to its own, and how the base's tangent does, (3, 3)."""
+        if name == BASE:
+            return self._at(self._base), None, np.eye(3)
+        for hand, grasp in self._grasps.items():
+            if grasp.anchor == name:
+                base_T_object = flat(self.base_T_held(hand))
+                return compose(self._at(self._base), base_T_object), grasp.key, adjoint(inverse(base_T_object))
+        if name not in self._numbers:
+            raise InternalError(f"no anchor '{name}'; there are: {', '.join(self._numbers)}")
+        return self._at(self._key(name)), self._key(name), None
+
+    def relative(self, a: str, b: str) -> tuple[Pose2, Matrix]:
+        """Return mean and covariance of a_T_b, tangent space of the mean (frame b), from the joint of both."""
+        joint = self.joint((a, b))
+        a_T_b = between(*joint.world_T_body)
+        jacobian = relative_jacobian(a_T_b)
+        return a_T_b, jacobian @ joint.covariance @ jacobian.T
+
+    # ------------------------------------------------------------ keys and values
+
+    def _introduce(self, anchor: str) -> int:
+        self._numbers[anchor] = len(self._numbers)
+        self._epochs[anchor] = 0
+        return self._key(anchor)
+
+    def _key(self, anchor: str) -> int:
+        return int(gtsam.symbol("o", self._numbers[anchor] * EPOCHS + self._epochs[anchor]))
+
+    def _next_epoch(self, anchor: str) -> int:
+        self._epochs[anchor] += 1
+        return self._key(anchor)
+
+    def _sd(self, sd: float) -> float:
+        return max(sd, self._config.least_sd)
+
+    def _at(self, key: int) -> Pose2:
+        return _tuple(self._isam.calculateEstimatePose2(key))
+
+    def _between(self, a: int, b: int, a_T_b: Pose2, covariance: Matrix) -> gtsam.BetweenFactorPose2:
+        floored = covariance + self._config.least_sd**2 * np.eye(3)
+        return gtsam.BetweenFactorPose2(a, b, gtsam.Pose2(*a_T_b), gtsam.noiseModel.Gaussian.Covariance(floored))
+
+    def _covariance(self, keys: list[int]) -> Matrix:
+        """Return the joint covariance, blocks in the order of `keys` (all different)."""
+        if len(keys) == 1:
+            return np.asarray(self._isam.marginalCovariance(keys[0]))
+        return np.asarray(self._isam.jointMarginalCovariance(keys).fullMatrix())
+
+    def _update(self, factors: Iterable[gtsam.NonlinearFactor], values: Mapping[int, Pose2]) -> None:
+        graph, start = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        for factor in factors:
+            graph.add(factor)
+        for key, pose in values.items():
+            start.insert(key, gtsam.Pose2(*pose))
+        self._isam.update(graph, start)

@@ -1,0 +1,199 @@
+"""What is believed of each anchor beside its planar pose: existence, type, colour, weight, height, support, hand."""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from skolem.estimation.association import MAX_LOG_ODDS
+from skolem.estimation.attributes import TypeBelief, after_evidence, after_miss
+from skolem.estimation.colour import ColourBelief, ColourSensor
+from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.events import Began, Event, Looked, Picked, PickFailed, Placed, Sighting, Weighed
+from skolem.estimation.weight import GRAVITY, WeightBelief, WeightSensor
+from skolem.traces.errors import InternalError
+from skolem.traces.messages import Hand, ObjectType, Prior, PriorObject
+
+INTRODUCED = re.compile(r"_o(\d+)_")  # names that the robot gives, or could have given
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """The belief on one anchor.
+
+    Attributes:
+        exists: Probability.
+        types, colour, weight: Of the object, if it exists.
+        z: Height of its base, metres; meaningless while held.
+        z_variance: Square metres.
+        support: What it rests on; None: the floor, unknown, or held.
+        hand: Which hand holds it.
+    """
+
+    exists: float
+    types: TypeBelief
+    colour: ColourBelief
+    weight: WeightBelief
+    z: float
+    z_variance: float
+    support: str | None
+    hand: Hand | None = None
+
+
+class Tracks:
+    """The tracks of all anchors ever introduced, in that order; names are never reused."""
+
+    def __init__(self, config: EstimatorConfig) -> None:
+        self._config = config
+        self._tracks: dict[str, Track] = {}
+        self._prior: Prior | None = None
+
+    @property
+    def prior(self) -> Prior:
+        """The belief the robot began with."""
+        assert self._prior is not None, "the first event is Began"
+        return self._prior
+
+    def __getitem__(self, anchor: str) -> Track:
+        if anchor not in self._tracks:
+            raise InternalError(f"no anchor '{anchor}'; there are: {', '.join(self._tracks)}")
+        return self._tracks[anchor]
+
+    def get(self, anchor: str) -> Track | None:
+        """Return the track of an anchor, or None for an unknown name."""
+        return self._tracks.get(anchor)
+
+    def kind(self, anchor: str) -> ObjectType:
+        """Return the most likely type of an anchor."""
+        return self.prior.types[self[anchor].types.most_likely()]
+
+    def top(self, support: str) -> float:
+        """Return the height of the upper face of an anchor, metres."""
+        return self[support].z + self.kind(support).size_m[2]
+
+    def rests_at(self, z: float, variance: float, support: str) -> bool:
+        """Return whether something whose base is at height `z` (m, with variance in m^2) can rest on `support`."""
+        return abs(z - self.top(support)) <= self._config.height_tolerance_m + 2.0 * math.sqrt(variance)
+
+    def listed(self) -> tuple[str, ...]:
+        """Return the anchors that are believed to exist."""
+        return tuple(name for name, track in self._tracks.items() if track.exists >= self._config.listed)
+
+    def detectable(self) -> tuple[str, ...]:
+        """Return the anchors that a detection may be of: not given up, not held, of a type that is reported."""
+        return tuple(
+            name
+            for name, track in self._tracks.items()
+            if track.exists >= self._config.retired and track.hand is None and self.kind(name).graspable
+        )
+
+    def held(self, hand: Hand) -> str | None:
+        """Return the anchor in a hand."""
+        return next((name for name, track in self._tracks.items() if track.hand == hand), None)
+
+    def new_names(self, count: int) -> tuple[str, ...]:
+        """Return names for anchors to be introduced: above every number in use, a told one's included."""
+        used = (INTRODUCED.fullmatch(name) for name in self._tracks)
+        first = 1 + max((int(found[1]) for found in used if found), default=0)
+        return tuple(f"_o{first + i}_" for i in range(count))
+
+    # ------------------------------------------------------------ change
+
+    def apply(self, event: Event) -> None:
+        """Take in one event."""
+        match event:
+            case Began():
+                self._prior = event.prior
+                self._tracks = {item.anchor: self._told(item) for item in event.prior.objects}
+            case Looked():
+                self._look(event)
+            case Picked():
+                track = self._evidence(event.anchor, (1.0 - self._config.pick_fails) / self._config.pick_deceives)
+                self._tracks[event.anchor] = replace(track, hand=event.hand, support=None)
+            case PickFailed():
+                odds = self._config.pick_fails / (1.0 - self._config.pick_deceives)
+                self._tracks[event.anchor] = self._evidence(event.anchor, odds)
+            case Placed():
+                self._tracks[event.anchor] = self._placed(event)
+            case Weighed():
+                track = self[event.anchor]
+                self._tracks[event.anchor] = replace(track, weight=track.weight.updated(event.kg))
+
+    def _look(self, event: Looked) -> None:
+        for sighting in event.sightings:
+            track = self._new(sighting) if sighting.new else self._seen(sighting)
+            self._tracks[sighting.anchor] = track
+        for miss in event.missed:
+            track = self[miss.anchor]
+            self._tracks[miss.anchor] = replace(track, exists=after_miss(track.exists, miss.p_reported))
+
+    def _told(self, item: PriorObject) -> Track:
+        colour = item.colour or self.prior.colour
+        return self._track(
+            exists=self._config.most_sure,
+            types=item.type,
+            colour=ColourBelief.of(colour, self._colour_sensor()),
+            log_weight=item.log_weight or self.prior.log_weight,
+            z=item.world_T_object[2],
+            support=item.support,
+        )
+
+    def _new(self, sighting: Sighting) -> Track:
+        """Return the track of an object first seen: real, or a false detection, at their rates."""
+        names = self._reported()
+        new, false = self._config.new_per_look, self.prior.noise.false_per_look
+        track = self._track(
+            exists=min(new / (new + false), self._config.most_sure),
+            types={name: 1.0 / len(names) for name in names},
+            colour=ColourBelief.of(self.prior.colour, self._colour_sensor()).updated(sighting.detection.rgb),
+            log_weight=self.prior.log_weight,
+            z=sighting.z if sighting.support is None else self.top(sighting.support),
+            support=sighting.support,
+        )
+        track = replace(track, types=track.types.updated(sighting.detection.type_log_likelihood))
+        return track if sighting.support else replace(track, z_variance=sighting.z_sd_m**2)
+
+    def _track(
+        self,
+        exists: float,
+        types: Mapping[str, float],
+        colour: ColourBelief,
+        log_weight: tuple[float, float],
+        z: float,
+        support: str | None,
+    ) -> Track:
+        noise, total = self.prior.noise, sum(types.values())
+        normal = {name: types[name] / total for name in sorted(types)}
+        belief = TypeBelief(normal, self._reported(), noise.type_right)
+        wrist = WeightSensor(noise.wrist_sd_newton / GRAVITY, noise.wrist_drift_newton / GRAVITY)
+        weight = WeightBelief(*log_weight, wrist)
+        return Track(exists, belief, colour, weight, z, self._config.height_sd_m**2, support)
+
+    def _reported(self) -> tuple[str, ...]:
+        """Return the types that the detector looks for."""
+        return tuple(sorted(name for name, kind in self.prior.types.items() if kind.graspable))
+
+    def _colour_sensor(self) -> ColourSensor:
+        return ColourSensor(self.prior.noise.colour_gain, self.prior.noise.colour_sd_rgb)
+
+    def _seen(self, sighting: Sighting) -> Track:
+        track = self._evidence(sighting.anchor, sighting.odds)
+        gain = track.z_variance / (track.z_variance + sighting.z_sd_m**2)
+        return replace(
+            track,
+            types=track.types.updated(sighting.detection.type_log_likelihood),
+            colour=track.colour.updated(sighting.detection.rgb),
+            z=track.z + gain * (sighting.z - track.z),
+            z_variance=(1.0 - gain) * track.z_variance,
+        )
+
+    def _placed(self, event: Placed) -> Track:
+        track = self[event.anchor]
+        z = event.base_T_tool[2] + event.tool_z_object if event.support is None else self.top(event.support)
+        return replace(track, hand=None, support=event.support, z=z, z_variance=self._config.height_sd_m**2)
+
+    def _evidence(self, anchor: str, odds: float) -> Track:
+        """Return the track after something `odds` times likelier if the object exists."""
+        track = self[anchor]
+        bounded = min(odds, math.exp(MAX_LOG_ODDS))
+        return replace(track, exists=min(after_evidence(track.exists, bounded), self._config.most_sure))

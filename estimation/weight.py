@@ -1,0 +1,124 @@
+"""What is believed of an object's weight, and how a wrist reads it."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from skolem.estimation.attributes import ROUNDING
+from skolem.traces.messages import WeightInterval
+
+Array = NDArray[np.float64]
+GRAVITY = 9.81
+WEIGHT_NODES, KG_NODES = 401, 64  # of the grid over ln(kg) and of the quadrature over readings
+LEAST_VARIANCE = 1e-12  # of a belief that is as good as certain
+
+
+@dataclass(frozen=True, slots=True)
+class WeightSensor:
+    """How a weight is read: in kg, with noise of `sd_kg` per reading and a bias of sd `drift_kg` common to all."""
+
+    sd_kg: float
+    drift_kg: float
+
+    def variance(self, count: int) -> float:
+        """Return the variance of the mean of `count` readings."""
+        return max(self.drift_kg**2 + self.sd_kg**2 / count, 1e-8)
+
+
+@dataclass(frozen=True, slots=True)
+class WeightBelief:
+    """A log-normal prior and the readings since, which are additive in kg; answers come from a grid over ln(kg).
+
+    Attributes:
+        mean, variance: Of ln(kg) before any reading.
+        sensor: How it is read.
+        kg: Mean of the readings.
+        count: Number of readings.
+    """
+
+    mean: float
+    variance: float
+    sensor: WeightSensor
+    kg: float = 0.0
+    count: int = 0
+
+    def updated(self, kg: float) -> "WeightBelief":
+        """Return the belief after a reading, which may be negative."""
+        return replace(self, kg=(self.kg * self.count + kg) / (self.count + 1), count=self.count + 1)
+
+    def matched(self) -> tuple[float, float]:
+        """Return mean and variance of ln(kg)."""
+        if not self.count:
+            return self.mean, self.variance
+        u, p = self._grid()
+        mean = float(p @ u)
+        return mean, float(p @ (u - mean) ** 2)
+
+    def observation_variance(self) -> float:
+        """Return the variance of one reading in ln(kg), at the mean."""
+        return self.sensor.variance(1) / math.exp(2.0 * self.matched()[0])
+
+    def prob(self, interval: WeightInterval) -> float:
+        """Return P(the weight lies in the interval)."""
+        low, high = _log_span(interval)
+        if not self.count:
+            sd = math.sqrt(max(self.variance, LEAST_VARIANCE))
+            return float(ndtr((high - self.mean) / sd) - ndtr((low - self.mean) / sd))
+        u, p = self._grid()
+        edges = np.concatenate([u[:1], (u[1:] + u[:-1]) / 2.0, u[-1:]])
+        below = np.concatenate([[0.0], np.cumsum(p)])
+        mass = np.interp([low, high], edges, below)
+        return min(1.0, max(0.0, float(mass[1] - mass[0])))
+
+    def prob_favourable(self, interval: WeightInterval, p: float) -> float:
+        """Return P(one reading lifts the belief in the interval to at least `p` | the weight lies in it)."""
+        u, mass = self._grid()
+        low, high = _log_span(interval)
+        inside = (u >= low) & (u < high)
+        if not inside.any():
+            return 0.0
+        expected, variance = self._next_reading(np.exp(u))
+        reach = 5.0 * math.sqrt(variance)
+        z = np.linspace(expected[inside].min() - reach, expected[inside].max() + reach, KG_NODES)
+        likelihood = np.exp(-0.5 * (z[:, None] - expected[None, :]) ** 2 / variance) * mass
+        within = likelihood[:, inside].sum(axis=1)
+        reached = within >= (p - ROUNDING) * likelihood.sum(axis=1)
+        total = within.sum()
+        return min(1.0, float(within[reached].sum() / total)) if total > 0.0 else 0.0
+
+    def _next_reading(self, kg: Array) -> tuple[Array, float]:
+        """Return mean and variance of the next reading for each true weight: past ones have shown part of the bias."""
+        drift, single = self.sensor.drift_kg**2, self.sensor.sd_kg**2
+        if not self.count:
+            return kg, self.sensor.variance(1)
+        shown = drift / max(drift + single / self.count, LEAST_VARIANCE)
+        return kg + shown * (self.kg - kg), max(drift * (1.0 - shown) + single, 1e-8)
+
+    def _grid(self) -> tuple[Array, Array]:
+        """Return ln(kg), shape (n,), and the probability of each cell; the second pass is where the mass is."""
+        sd = math.sqrt(max(self.variance, LEAST_VARIANCE))
+        u = np.linspace(self.mean - 7.0 * sd, self.mean + 7.0 * sd, WEIGHT_NODES)
+        for _ in range(2):
+            log_p = self._log_density(u)
+            kept = np.nonzero(log_p > log_p.max() - 40.0)[0]
+            first, last = max(kept[0] - 1, 0), min(kept[-1] + 1, WEIGHT_NODES - 1)
+            u = np.linspace(u[first], u[last], WEIGHT_NODES)
+        log_p = self._log_density(u)
+        p = np.exp(log_p - log_p.max())
+        return u, p / p.sum()
+
+    def _log_density(self, u: Array) -> Array:
+        log_p = -0.5 * (u - self.mean) ** 2 / max(self.variance, LEAST_VARIANCE)
+        if self.count:
+            log_p = log_p - 0.5 * (self.kg - np.exp(u)) ** 2 / self.sensor.variance(self.count)
+        return np.asarray(log_p)
+
+
+def _log_span(interval: WeightInterval) -> tuple[float, float]:
+    """Return the interval in ln(kg)."""
+    low = math.log(interval.at_least_kg) if interval.at_least_kg > 0.0 else -math.inf
+    high = math.inf if interval.below_kg is None else math.log(interval.below_kg)
+    return low, high

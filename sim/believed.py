@@ -1,0 +1,338 @@
+"""The believed world as bodies in a physics client of its own: what motions are planned in.
+
+Filled from a belief and nothing else. Tables stand at their mean poses; things to grasp too, wider by the spread of
+their pose relative to the robot. What a hand holds moves with it and may touch that hand's gripper only. Nothing is
+ever stepped here, so an answer depends on the configuration asked about and on the belief, not on earlier questions.
+"""
+
+import contextlib
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.sim import bodies
+from skolem.sim.bullet import p
+from skolem.sim.poses import Vector3, compose2, flat, inverse2
+from skolem.sim.pr2 import ARM, BASE, FINGER_OPEN_RAD, HEAD, PR2
+from skolem.traces.messages import HANDS, Belief, Hand, ObjectType, Pose2, Pose4
+
+Floats = NDArray[np.float64]
+
+PENETRATION_M = 1e-4  # contacts shallower than this are touching, not colliding
+EXISTS = 0.5  # objects less likely to exist are no obstacles
+SPREAD_SDS, SPREAD_LIMIT_M, SPREAD_STEP_M = 2.0, 0.05, 0.005
+RESTING_GAP_M = 0.02  # a thing this close above a table stands on it
+NEAREST_RAY_M = 0.3  # the camera sees nothing nearer
+CENTRED = 1e-3  # tangent of the largest angle between the optical axis and the point looked at
+CARRIED_KG = 0.1  # any mass: PyBullet lets two immovable bodies pass through one another
+_GREY = (0.6, 0.6, 0.6, 1.0)
+_AWAY_M, _APART_M = -50.0, 5.0  # where bodies wait that are not believed at the moment
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A believed object that no hand holds.
+
+    Attributes:
+        anchor: Its name.
+        type: Its most likely type.
+        world_T_object: Mean pose.
+        spread_m: How much wider its body is on every side.
+        body: In the physics client.
+        support: Anchor of what it stands on, if known.
+    """
+
+    anchor: str
+    type: ObjectType
+    world_T_object: Pose4
+    spread_m: float
+    body: int
+    support: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """A believed object in a hand."""
+
+    anchor: str
+    type: ObjectType
+    tool_T_object: Pose4
+    body: int
+
+
+class BelievedWorld:
+    """The robot and every believed object, posed as believed; asked about other configurations by the planners."""
+
+    def __init__(self, types: Mapping[str, ObjectType]) -> None:
+        self._types = types
+        self.client = bodies.connect(gravity=False)
+        self.robot = PR2(self.client, self_collision=True)
+        self.standing: dict[str, Standing] = {}
+        self.carried: dict[Hand, Carried] = {}
+        self._bodies: dict[tuple[str, ObjectType, float, Hand | None], int] = {}
+        self._gripper = {
+            hand: frozenset(i for name, i in self.robot.link.items() if name.startswith(f"{hand[0]}_gripper"))
+            for hand in HANDS
+        }
+        self._arm_indices = {hand: [self.robot.joint[name] for name in ARM[hand]] for hand in HANDS}
+        self._base_indices = [self.robot.joint[name] for name in BASE]
+        self._tool_link = {hand: self.robot.link[f"{hand[0]}_gripper_tool_frame"] for hand in HANDS}
+
+    def update(self, belief: Belief) -> None:
+        """Take over a belief; bodies are made for what is new and parked for what is gone."""
+        self._belief = belief
+        self._park_all()
+        self.standing, self.carried = {}, {}
+        for anchor in belief.anchors:
+            believed = belief.objects[anchor]
+            if believed.exists < EXISTS:
+                continue
+            object_type = self._types[max(sorted(believed.type), key=lambda name: believed.type[name])]
+            if believed.in_hand is not None and believed.tool_T_object is not None:
+                body = self._body(anchor, object_type, 0.0, believed.in_hand)
+                self.carried[believed.in_hand] = Carried(anchor, object_type, believed.tool_T_object, body)
+                continue
+            spread = _spread(belief, anchor) if object_type.graspable else 0.0
+            body = self._body(anchor, object_type, spread, None)
+            self.standing[anchor] = Standing(
+                anchor, object_type, believed.world_T_object, spread, body, believed.support
+            )
+        self.reset()
+        self._narrow_what_touches()
+
+    def _narrow_what_touches(self) -> None:
+        """Give things that the robot would stand in their mere size: it stands there, so they do not."""
+        p.performCollisionDetection(physicsClientId=self.client)
+        moving = [self.robot.id, *(item.body for item in self.carried.values())]
+        touched = {
+            contact[2]
+            for body in moving
+            for contact in p.getContactPoints(bodyA=body, physicsClientId=self.client)
+            if contact[8] < -PENETRATION_M
+        }
+        for anchor, item in self.standing.items():
+            if item.body in touched:
+                self.standing[anchor] = self._narrow(item)
+
+    def _narrow(self, item: Standing) -> Standing:
+        """Have an object's body take its mere size."""
+        if item.spread_m > 0.0:
+            self._park(item.body)
+            item = dataclasses.replace(item, spread_m=0.0, body=self._body(item.anchor, item.type, 0.0, None))
+            bodies.set_pose(self.client, item.body, item.type, item.world_T_object)
+        return item
+
+    def is_spread(self) -> bool:
+        """Return whether doubt about its place makes anything wider than it is."""
+        return any(item.spread_m > 0.0 for item in self.standing.values())
+
+    @contextlib.contextmanager
+    def narrowed(self) -> Iterator[None]:
+        """Have everything take its mere size meanwhile, at its mean pose."""
+        spread = self.standing
+        self.standing = {anchor: self._narrow(item) for anchor, item in spread.items()}
+        try:
+            yield
+        finally:
+            for item in self.standing.values():
+                self._park(item.body)
+            self.standing = spread
+            self.reset()
+
+    def reset(self, world_T_base: Pose2 | None = None) -> None:
+        """Put everything where it is believed to be, or the robot elsewhere."""
+        for item in self.standing.values():
+            bodies.set_pose(self.client, item.body, item.type, item.world_T_object)
+        for hand in HANDS:
+            self.robot.set_gripper(hand, FINGER_OPEN_RAD)
+        self.robot.set_state(self._belief.robot)
+        self.robot.set_base(self._belief.world_T_base if world_T_base is None else world_T_base)
+        for hand in self.carried:
+            self._move_carried(hand)
+
+    def _body(self, anchor: str, object_type: ObjectType, spread: float, hand: Hand | None) -> int:
+        """Return the body of an object, made at its first use."""
+        key = (anchor, object_type, spread, hand)
+        if key not in self._bodies:
+            away = (0.0, 0.0, _AWAY_M, 0.0)
+            kg = 0.0 if hand is None else CARRIED_KG
+            body = bodies.thing(self.client, object_type, away, _GREY, kg, spread)
+            for link in self._gripper[hand] if hand else ():
+                p.setCollisionFilterPair(self.robot.id, body, link, -1, 0, physicsClientId=self.client)
+            self._bodies[key] = body
+        return self._bodies[key]
+
+    def _park_all(self) -> None:
+        for body in self._bodies.values():
+            self._park(body)
+
+    def _park(self, body: int) -> None:
+        at, turn = (_APART_M * body, 0.0, _AWAY_M), (0.0, 0.0, 0.0, 1.0)
+        p.resetBasePositionAndOrientation(body, at, turn, physicsClientId=self.client)
+
+    # ---------------------------------------------------------------- configurations
+
+    def set_arm(self, hand: Hand, joints: Sequence[float] | Floats) -> None:
+        """Put an arm at seven joint values, with what its hand carries."""
+        values = [[float(value)] for value in joints]
+        p.resetJointStatesMultiDof(self.robot.id, self._arm_indices[hand], values, physicsClientId=self.client)
+        if hand in self.carried:
+            self._move_carried(hand)
+
+    def set_base(self, world_T_base: Sequence[float] | Floats) -> None:
+        """Put the base at a pose, with what the hands carry."""
+        values = [[float(value)] for value in world_T_base]
+        p.resetJointStatesMultiDof(self.robot.id, self._base_indices, values, physicsClientId=self.client)
+        for hand in self.carried:
+            self._move_carried(hand)
+
+    def _move_carried(self, hand: Hand) -> None:
+        item = self.carried[hand]
+        x, y, z, theta = item.tool_T_object
+        state = p.getLinkState(
+            self.robot.id, self._tool_link[hand], computeForwardKinematics=True, physicsClientId=self.client
+        )
+        centre = (x, y, z + item.type.size_m[2] / 2.0)
+        turn = (0.0, 0.0, math.sin(theta / 2.0), math.cos(theta / 2.0))
+        at = p.multiplyTransforms(state[4], state[5], centre, turn)
+        p.resetBasePositionAndOrientation(item.body, *at, physicsClientId=self.client)
+
+    def free(self, touching: frozenset[int] = frozenset()) -> bool:
+        """Return whether nothing collides as things stand.
+
+        Args:
+            touching: Bodies that grippers and carried things may touch.
+        """
+        p.performCollisionDetection(physicsClientId=self.client)
+        for contact in p.getContactPoints(bodyA=self.robot.id, physicsClientId=self.client):
+            if contact[8] < -PENETRATION_M and not (contact[2] in touching and self._is_gripper(contact[3])):
+                return False
+        for item in self.carried.values():
+            for contact in p.getContactPoints(bodyA=item.body, physicsClientId=self.client):
+                if contact[8] < -PENETRATION_M and contact[2] not in touching:
+                    return False
+        return True
+
+    def _is_gripper(self, link: int) -> bool:
+        return any(link in links for links in self._gripper.values())
+
+    def clear(self, margin_m: float) -> bool:
+        """Return whether robot and carried things keep a distance to everything that stands somewhere."""
+        moving = [self.robot.id, *(item.body for item in self.carried.values())]
+        return not any(
+            p.getClosestPoints(body, item.body, margin_m, physicsClientId=self.client)
+            for item in self.standing.values()
+            for body in moving
+        )
+
+    def ground(self) -> tuple[Standing, ...]:
+        """Return what stands on the floor: tables, and things that are on none."""
+        return tuple(
+            item for item in self.standing.values() if item.type.shape == "table" or self.table_below(item) is None
+        )
+
+    def table_below(self, item: Standing) -> Standing | None:
+        """Return the table that a thing stands on, by its pose."""
+        if item.type.shape == "table":
+            return None
+        for other in self.standing.values():
+            if other.type.shape == "table" and self._stands_on(item, other):
+                return other
+        return None
+
+    def _stands_on(self, item: Standing, table: Standing) -> bool:
+        x, y, _ = compose2(inverse2(flat(table.world_T_object)), flat(item.world_T_object))
+        level = abs(item.world_T_object[2] - table.world_T_object[2] - table.type.size_m[2]) <= RESTING_GAP_M
+        return level and abs(x) <= table.type.size_m[0] / 2.0 and abs(y) <= table.type.size_m[1] / 2.0
+
+    # ---------------------------------------------------------------- what if
+
+    @contextlib.contextmanager
+    def picked(self, hand: Hand, anchor: str, tool_T_object: Pose4) -> Iterator[None]:
+        """Have a standing thing in a hand meanwhile."""
+        item = self.standing.pop(anchor)
+        body = self._body(anchor, item.type, 0.0, hand)
+        self._park(item.body)
+        self.carried[hand] = Carried(anchor, item.type, tool_T_object, body)
+        try:
+            yield
+        finally:
+            del self.carried[hand]
+            self._park(body)
+            bodies.set_pose(self.client, item.body, item.type, item.world_T_object)
+            self.standing = {a: item if a == anchor else self.standing[a] for a in self._order(anchor)}
+
+    @contextlib.contextmanager
+    def placed(self, hand: Hand, world_T_object: Pose4) -> Iterator[int]:
+        """Have what a hand carries stand somewhere meanwhile; yields its body."""
+        carried = self.carried.pop(hand)
+        body = self._body(carried.anchor, carried.type, 0.0, None)
+        self._park(carried.body)
+        bodies.set_pose(self.client, body, carried.type, world_T_object)
+        try:
+            yield body
+        finally:
+            self._park(body)
+            self.carried[hand] = carried
+            self._move_carried(hand)
+
+    def _order(self, returned: str) -> list[str]:
+        """Return the anchors that stand, one more than now, in the belief's order."""
+        return [a for a in self._belief.anchors if a in self.standing or a == returned]
+
+    # ---------------------------------------------------------------- seeing
+
+    def look_at(self, point_world: Vector3) -> tuple[float, float] | None:
+        """Turn the head so that the optical axis goes through a point; None, and nothing turned, beyond its limits."""
+        pan, tilt = self.robot.look_at(point_world)
+        before = self.robot.joints(HEAD)
+        self.robot.set_joints(dict(zip(HEAD, (pan, tilt), strict=True)))
+        position, rotation = self.robot.camera_pose()
+        x, y, z = rotation.T @ (np.array(point_world) - position)
+        if x <= 0.0 or math.hypot(y, z) > CENTRED * x:
+            self.robot.set_joints(dict(zip(HEAD, before, strict=True)))
+            return None
+        return pan, tilt
+
+    def seen_share(self, points_world: Floats, body: int) -> float:
+        """Return which share of points, shape (n, 3), the camera sees: nothing but `body` itself is in the way."""
+        eye, _ = self.robot.camera_pose()
+        away = points_world - eye
+        starts = eye + away * (NEAREST_RAY_M / np.linalg.norm(away, axis=1, keepdims=True))
+        hits = p.rayTestBatch(starts.tolist(), points_world.tolist(), physicsClientId=self.client)
+        return sum(hit[0] in (body, -1) for hit in hits) / len(points_world)
+
+
+def _spread(belief: Belief, anchor: str) -> float:
+    """Return how much wider an object's body must be for its uncertain place, in whole steps."""
+    deviation = math.sqrt(max(0.0, float(np.linalg.eigvalsh(relative_covariance(belief, anchor)[:2, :2])[-1])))
+    return min(SPREAD_STEP_M * math.ceil(SPREAD_SDS * deviation / SPREAD_STEP_M - 1e-9), SPREAD_LIMIT_M)
+
+
+def relative_covariance(belief: Belief, anchor: str) -> Floats:
+    """Return the covariance of base_T_object, shape (3, 3), x, y [m], theta [rad], tangent space, object frame.
+
+    The base is the key of the joint covariance that names no object. Without both rows: the object's own marginal.
+    """
+    base = next((key for key in belief.keys if key not in belief.objects), None)
+    if base is None or anchor not in belief.keys:
+        return _symmetric(belief.objects[anchor].covariance, 3)
+    joint = _symmetric(belief.joint_covariance, 3 * len(belief.keys))
+    rows = [3 * belief.keys.index(key) + i for key in (base, anchor) for i in range(3)]
+    object_T_base = compose2(inverse2(flat(belief.objects[anchor].world_T_object)), belief.world_T_base)
+    x, y, theta = object_T_base
+    c, s = math.cos(theta), math.sin(theta)
+    adjoint = np.array([[c, -s, y], [s, c, -x], [0.0, 0.0, 1.0]])
+    jacobian = np.hstack([-adjoint, np.eye(3)])
+    return np.asarray(jacobian @ joint[np.ix_(rows, rows)] @ jacobian.T)
+
+
+def _symmetric(upper: Sequence[float], n: int) -> Floats:
+    """Return the symmetric matrix, shape (n, n), of an upper triangle in row order."""
+    out = np.zeros((n, n))
+    out[np.triu_indices(n)] = upper
+    return np.asarray(out + out.T - np.diag(np.diag(out)))

@@ -1,0 +1,121 @@
+"""From a depth image to coloured points in the base frame, and to the coarse view that shows which space was seen.
+
+Frames: the camera looks along x, y left, z up. Pixel (column, row) is the ray (1, -u / f, -v / f) with
+u = column - columns / 2, v = row + 1 - rows / 2 and f = rows / 2 / tan(fovy / 2): the renderer's convention, which has
+no half pixel in it.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from skolem.sim.noise import Extrinsics
+from skolem.traces.messages import DepthView
+
+FOVY_RAD = math.radians(45.6)
+COLUMNS, ROWS = 320, 240
+VIEW_STRIDE = 8
+BORDER_PX = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A rigid frame seen from another.
+
+    Attributes:
+        origin: Shape (3,), metres.
+        axes: Its x, y and z axes as columns, shape (3, 3).
+    """
+
+    origin: NDArray[np.float64]
+    axes: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Cloud:
+    """Coloured points as the robot believes them.
+
+    Attributes:
+        points_base: Shape (n, 3), metres, base frame.
+        rgb: Shape (n, 3), each 0..1.
+        at_border: Shape (n,), whether the pixel lies at the border of the image.
+        camera_base: Shape (3,), where the robot believes its camera to be, metres, base frame.
+    """
+
+    points_base: NDArray[np.float64]
+    rgb: NDArray[np.float64]
+    at_border: NDArray[np.bool_]
+    camera_base: NDArray[np.float64]
+
+    def only(self, chosen: NDArray[np.bool_]) -> "Cloud":
+        """Return the points of a mask of shape (n,)."""
+        return Cloud(self.points_base[chosen], self.rgb[chosen], self.at_border[chosen], self.camera_base)
+
+
+def focal_px(rows: int) -> float:
+    """Return the focal length in pixels of an image with so many rows."""
+    return rows / 2.0 / math.tan(FOVY_RAD / 2.0)
+
+
+def pixel_rays(columns: int, rows: int) -> NDArray[np.float64]:
+    """Return the direction of every pixel, shape (rows, columns, 3), camera frame, x = 1."""
+    u, v = np.meshgrid(np.arange(columns) - columns / 2.0, np.arange(rows) + 1.0 - rows / 2.0)
+    return np.stack([np.ones_like(u), -u / focal_px(rows), -v / focal_px(rows)], axis=-1)
+
+
+def cloud_from_depth(
+    depth: NDArray[np.float64], rgb: NDArray[np.float64], base_T_camera: Frame, error: Extrinsics
+) -> Cloud:
+    """Return the coloured points of an image, as wrong as the camera's calibration makes them.
+
+    Args:
+        depth: Distance along the camera's axis, shape (rows, columns), metres; NaN: nothing came back.
+        rgb: Shape (rows, columns, 3), each 0..1.
+        base_T_camera: From the robot's encoders.
+        error: Of this look's calibration.
+    """
+    rows, columns = depth.shape
+    camera = (pixel_rays(columns, rows) * depth[..., None]).reshape(-1, 3) @ error.turn.T + error.shift
+    points_base = camera @ base_T_camera.axes.T + base_T_camera.origin
+    border = np.ones((rows, columns), dtype=bool)
+    border[BORDER_PX:-BORDER_PX, BORDER_PX:-BORDER_PX] = False
+    cloud = Cloud(points_base, rgb.reshape(-1, 3), border.ravel(), base_T_camera.origin)
+    return cloud.only(np.isfinite(depth).ravel())
+
+
+def without_own_body(cloud: Cloud, segments_base: NDArray[np.float64], radius_m: float) -> Cloud:
+    """Return the cloud without the points near the robot's own limbs, which it knows from its encoders.
+
+    Args:
+        cloud: Points in the base frame.
+        segments_base: Axes of the limbs, shape (k, 2, 3), metres, base frame.
+        radius_m: How far from an axis a point belongs to the limb.
+    """
+    keep = np.ones(len(cloud.points_base), dtype=bool)
+    for start, end in segments_base:
+        along = end - start
+        offset = cloud.points_base - start
+        share = np.clip(offset @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
+        keep &= np.linalg.norm(offset - share[:, None] * along, axis=1) > radius_m
+    return cloud.only(keep)
+
+
+def depth_view(depth: NDArray[np.float64], base_T_camera: Frame) -> DepthView:
+    """Return every eighth reading of a depth image: exactly those on the rays that `DepthView` defines.
+
+    Samples, not minima or means of blocks: a reading belongs to its ray, whatever lies between the rays.
+    """
+    sampled = depth[VIEW_STRIDE - 1 :: VIEW_STRIDE, ::VIEW_STRIDE]
+    rows, columns = sampled.shape
+    quaternion = Rotation.from_matrix(base_T_camera.axes).as_quat()
+    x, y, z, qx, qy, qz, qw = (float(value) for value in (*base_T_camera.origin, *quaternion))
+    return DepthView(
+        base_T_camera=(x, y, z, qx, qy, qz, qw),
+        fovy_rad=FOVY_RAD,
+        columns=columns,
+        rows=rows,
+        depth_mm=tuple(int(mm) for mm in np.round(1000.0 * np.nan_to_num(sampled)).ravel()),
+    )

@@ -1,0 +1,271 @@
+"""Reading a scenario file as YAML: its plain values, and where in the text each of them stands.
+
+The round-trip loader gives positions and makes no Python objects. Before it runs, the file is walked event by event and
+refused when it is too large, too deep, tagged, or when its aliases would unfold into too many values.
+"""
+
+import difflib
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    CollectionEndEvent,
+    CollectionStartEvent,
+    Event,
+    ScalarEvent,
+)
+
+from skolem.traces.errors import Fault, InputError
+
+MAX_BYTES = 1024 * 1024
+MAX_VALUES = 20_000
+MAX_DEPTH = 32
+MAX_SCALAR = 4_096
+
+Address = tuple[str | int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A scenario file that is YAML, not yet known to be a scenario.
+
+    Attributes:
+        file: The file's name as it was given.
+        text: What was read.
+        values: The same in plain dictionaries, lists, strings, numbers and None, with the overrides applied.
+        rules: The extra rule files it names, as paths beside it.
+        overrides: The flags that changed `values`, with the address each of them set.
+    """
+
+    file: str
+    text: str
+    values: dict[str, Any]
+    rules: tuple[Path, ...]
+    overrides: tuple[tuple[str, Address], ...]
+    tree: Any
+
+    def effective_text(self) -> str:
+        """Return the text of the scenario that runs: as it was read, or written anew if flags changed it."""
+        if not self.overrides:
+            return self.text
+        stream = StringIO()
+        yaml = YAML(typ="safe", pure=True)
+        yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+        yaml.dump(self.values, stream)
+        return "".join(f"# {flag}\n" for flag, _ in self.overrides) + stream.getvalue()
+
+    def fault(self, address: Address, message: str, offset: int | None = None, at_key: bool = False) -> Fault:
+        """Return a fault at a value of the file, or at the flag that set it.
+
+        Args:
+            address: Keys and indices from the root; what does not exist stands at the deepest part that does.
+            message: What is wrong.
+            offset: Count of characters into the string value at `address`.
+            at_key: Whether the place is that of the key instead of its value.
+        """
+        at = ".".join(map(str, address))
+        flag = next((flag for flag, there in self.overrides if address[: len(there)] == there), None)
+        if flag is not None:
+            return Fault(flag, 0, 0, message, at)
+        line, column = self._place(address, at_key)
+        if offset is not None:
+            line, column = self._inside(line, column, str(self._value(address)), offset)
+        return Fault(self.file, line + 1, column + 1, message, at, _line(self.text, line))
+
+    def _value(self, address: Address) -> Any:
+        value: Any = self.values
+        for key in address:
+            value = value[key]
+        return value
+
+    def _place(self, address: Address, at_key: bool = False) -> tuple[int, int]:
+        """Return line and column, from 0, of the deepest part of `address` that exists."""
+        node, place = self.tree, (0, 0)
+        for i, key in enumerate(address):
+            try:
+                if isinstance(node, CommentedMap):
+                    found = node.lc.key(key) if at_key and i == len(address) - 1 else node.lc.value(key)
+                else:
+                    found = node.lc.item(key)
+                place = found or place  # an empty value may have no place of its own
+                node = node[key]
+            except (KeyError, IndexError, AttributeError, TypeError):
+                break
+        return place
+
+    def _inside(self, line: int, column: int, value: str, offset: int) -> tuple[int, int]:
+        """Return where the character at `offset` of a string stands, across folded lines and block scalars.
+
+        The value and its source differ in blanks alone, so the visible characters before the place are counted.
+        """
+        lines = self.text.split("\n")
+        if lines[line][column : column + 1] in ("|", ">"):
+            line, column = line + 1, 0
+        elif lines[line][column : column + 1] in ("'", '"'):
+            column += 1
+        before = sum(not c.isspace() for c in value[:offset])
+        end = (line, column)
+        for row in range(line, len(lines)):
+            for col in range(column if row == line else 0, len(lines[row])):
+                if lines[row][col].isspace():
+                    continue
+                if before == 0 and offset < len(value):
+                    return row, col
+                before -= 1
+                if before < 0:
+                    return end
+                end = (row, col + 1)
+        return end
+
+
+def load_document(path: Path, overrides: Sequence[str] = ()) -> Document:
+    """Return the file as a document, with `a.b=value` overrides applied.
+
+    Raises:
+        InputError: If the file cannot be read, is not safe YAML or not a mapping, or an override has no such place.
+    """
+    file = str(path)
+    text = _text(path)
+    tree = _parse(file, text)
+    if not isinstance(tree, dict):
+        raise InputError(
+            [Fault(file, 1, 1, "expected a mapping with the keys of a scenario (skolem: 1, name, goal, ...)")]
+        )
+    values = _plain(tree)
+    applied = tuple(_override(values, flag) for flag in overrides)
+    rules = values.get("rules")
+    names = [name for name in rules if isinstance(name, str)] if isinstance(rules, list) else []
+    return Document(file, text, values, tuple(path.parent / name for name in names), applied, tree)
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Return `; did you mean 'x'?`, or the list of what there is."""
+    names: Collection[str] = sorted(set(known))
+    close = difflib.get_close_matches(word, names, 1)
+    return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(names) or 'none'}"
+
+
+def _text(path: Path) -> str:
+    """Return the file's text, with the line ends of this program."""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise InputError([Fault(str(path), 0, 0, f"cannot be read: {error.strerror}")]) from error
+    if len(data) > MAX_BYTES:
+        raise InputError([Fault(str(path), 0, 0, f"larger than {MAX_BYTES} bytes, the limit of a scenario file")])
+    try:
+        return data.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            [Fault(str(path), 0, 0, f"not UTF-8: byte {error.start} is {data[error.start]:#04x}")]
+        ) from error
+
+
+def _parse(file: str, text: str) -> Any:
+    """Return ruamel's tree, or raise the first fault: a broken text has no second place worth naming."""
+    try:
+        _refuse_unsafe(file, text)
+        return YAML(typ="rt", pure=True).load(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line, column = (mark.line, mark.column) if mark else (0, 0)
+        said = str(error.problem or error.context).splitlines()[0]
+        raise InputError([Fault(file, line + 1, column + 1, f"not YAML: {said}", "", _line(text, line))]) from error
+    except (YAMLError, ValueError) as error:
+        raise InputError([Fault(file, 0, 0, f"not YAML: {str(error).splitlines()[0]}")]) from error
+
+
+def _refuse_unsafe(file: str, text: str) -> None:
+    """Raise if the text would unfold into more, deeper or other things than a scenario can need."""
+    sizes: dict[str, int] = {}  # of each anchored value, aliases unfolded
+    open_anchors: list[str | None] = []
+    started: list[int] = []
+    total = 0
+    for event in YAML(typ="rt", pure=True).parse(text):
+        if isinstance(event, AliasEvent):
+            if event.anchor not in sizes:
+                raise _unsafe(file, text, event, f"no finished value is anchored as '&{event.anchor}'")
+            total += sizes[event.anchor]
+        elif isinstance(event, ScalarEvent | CollectionStartEvent):
+            total += 1
+            if event.tag is not None:
+                raise _unsafe(file, text, event, f"tags such as {event.tag} are not used in scenario files")
+            if isinstance(event, CollectionStartEvent):
+                open_anchors.append(event.anchor)
+                started.append(total)
+            elif len(event.value) > MAX_SCALAR:
+                raise _unsafe(file, text, event, f"a value of more than {MAX_SCALAR} characters")
+            elif event.anchor:
+                sizes[event.anchor] = 1
+        elif isinstance(event, CollectionEndEvent):
+            anchor, start = open_anchors.pop(), started.pop()
+            if anchor:
+                sizes[anchor] = total - start + 1
+        if total > MAX_VALUES or len(started) > MAX_DEPTH:
+            raise _unsafe(file, text, event, f"more than {MAX_VALUES} values, or nested deeper than {MAX_DEPTH}")
+
+
+def _unsafe(file: str, text: str, event: Event, message: str) -> InputError:
+    line, column = event.start_mark.line, event.start_mark.column
+    return InputError([Fault(file, line + 1, column + 1, message, "", _line(text, line)[:200])])
+
+
+def _line(text: str, line: int) -> str:
+    lines = text.split("\n")
+    return lines[line] if line < len(lines) else ""
+
+
+def _plain(node: Any) -> Any:
+    """Return the value without ruamel's types; anything that is no YAML 1.2 core value becomes its text."""
+    if isinstance(node, dict):
+        return {key if isinstance(key, str) else str(key): _plain(value) for key, value in node.items()}
+    if isinstance(node, list | tuple):
+        return [_plain(value) for value in node]
+    if node is None or isinstance(node, bool):
+        return node
+    for kind in (int, float):
+        if isinstance(node, kind):
+            return kind(node)
+    return str(node)
+
+
+def _override(values: dict[str, Any], flag: str) -> tuple[str, Address]:
+    """Set one value from `a.b=value` and return the flag with the address it set."""
+    name = f"--set {flag}"
+    path, equals, text = flag.partition("=")
+    if not equals or not path:
+        raise InputError([Fault(name, 0, 0, "expected a.b=value, for example noise.detection.found=1.0")])
+    *parents, last = path.split(".")
+    node: Any = values
+    address: list[str | int] = []
+    for part in parents:
+        key = _key(node, part)
+        if key is None or not isinstance(node[key], dict | list):
+            raise InputError([_no_place(name, node, part)])
+        node = node[key]
+        address.append(key)
+    key = _key(node, last) if isinstance(node, list) else last
+    if key is None:
+        raise InputError([_no_place(name, node, last)])
+    node[key] = _plain(_parse(name, text))
+    return name, (*address, key)
+
+
+def _key(node: Any, part: str) -> str | int | None:
+    """Return the key or index that `part` names in a mapping or list, or None."""
+    if isinstance(node, list):
+        return int(part) if part.isdecimal() and int(part) < len(node) else None
+    return part if part in node else None
+
+
+def _no_place(flag: str, node: Any, part: str) -> Fault:
+    there = map(str, range(len(node))) if isinstance(node, list) else node
+    return Fault(flag, 0, 0, f"nothing to set at '{part}'{nearest(part, there)}")

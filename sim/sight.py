@@ -1,0 +1,69 @@
+"""Whether the robot, from where it stands, can turn its camera to something and see it."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.sim.believed import BelievedWorld, Standing
+from skolem.sim.poses import Vector3, compose4
+from skolem.traces.messages import ObjectType, Pose4
+
+Floats = NDArray[np.float64]
+
+NEAREST_M, FARTHEST_M = 0.5, 2.0  # from the camera: nearer the depth is blind, farther its noise is too great
+THING_SHARE, TABLE_SHARE = 0.7, 0.5  # of the sampled points; what stands on a table hides some of it
+_ACROSS, _UP = (-0.8, 0.0, 0.8), (0.2, 0.5, 0.85)  # where on the near side, in half widths and in heights
+_OVER = (-0.35, 0.0, 0.35)  # where on a table, in widths
+_PATCH_M = 0.05  # half the width of the piece of a table that is to be seen before something is put there
+
+
+def look(world: BelievedWorld, item: Standing) -> tuple[float, float] | None:
+    """Turn the head to a standing object and return pan and tilt; None if it is too near, too far, or hidden."""
+    target = centre(item.type, item.world_T_object)
+    is_table = item.type.shape == "table"
+    eye = world.robot.camera_pose()[0]
+    points = _on_table(item) if is_table else _near_side(item, eye)
+    return _look(world, target, points, item.body, TABLE_SHARE if is_table else THING_SHARE)
+
+
+def look_at_spot(world: BelievedWorld, table: Standing, spot: tuple[float, float]) -> tuple[float, float] | None:
+    """Turn the head to a place on a table (its frame) and return pan and tilt; None if it cannot be seen."""
+    top = table.type.size_m[2]
+    target = compose4(table.world_T_object, (*spot, top, 0.0))[:3]
+    offsets = [(dx, dy) for dx in (-_PATCH_M, 0.0, _PATCH_M) for dy in (-_PATCH_M, 0.0, _PATCH_M)]
+    points = [compose4(table.world_T_object, (spot[0] + dx, spot[1] + dy, top, 0.0))[:3] for dx, dy in offsets]
+    return _look(world, target, np.array(points), table.body, THING_SHARE)
+
+
+def centre(object_type: ObjectType, world_T_object: Pose4) -> Vector3:
+    """Return the point to look at: the middle of a thing, the top of a table."""
+    x, y, z, _ = world_T_object
+    height = object_type.size_m[2]
+    return (x, y, z + (height if object_type.shape == "table" else height / 2.0))
+
+
+def _look(world: BelievedWorld, target: Vector3, points: Floats, body: int, share: float) -> tuple[float, float] | None:
+    """Turn the head to a point and return pan and tilt if it is in range and enough of the points is seen."""
+    turned = world.look_at(target)
+    if turned is None or not NEAREST_M <= math.dist(world.robot.camera_pose()[0], target) <= FARTHEST_M:
+        return None
+    return turned if world.seen_share(points, body) >= share else None
+
+
+def _near_side(item: Standing, eye: Floats) -> Floats:
+    """Return points in the plane through a thing's axis that faces the eye, within its outline, shape (9, 3)."""
+    x, y, z, _ = item.world_T_object
+    bearing = math.atan2(eye[1] - y, eye[0] - x)
+    half = min(item.type.size_m[:2]) / 2.0
+    left = (-math.sin(bearing) * half, math.cos(bearing) * half)
+    height = item.type.size_m[2]
+    return np.array([(x + a * left[0], y + a * left[1], z + b * height) for a in _ACROSS for b in _UP])
+
+
+def _on_table(item: Standing) -> Floats:
+    """Return points spread over a table's top, shape (9, 3)."""
+    depth, width, height = item.type.size_m
+    return np.array(
+        [compose4(item.world_T_object, (a * depth, b * width, height, 0.0))[:3] for a in _OVER for b in _OVER]
+    )

@@ -1,0 +1,132 @@
+"""Horizontal planes that things stand on, found in a point cloud whose vertical is a few degrees off.
+
+Heights are gathered in a histogram weighted by the surface each pixel stands for; the plane at its peak is fitted by
+trimmed least squares; its points are taken away and the search goes on, until no plane is large enough.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+BIN_M = 0.01
+PEAK_BINS = 5  # a tilt of 2 degrees spreads a table of 1.2 m over 4 cm
+TRIM_M = (0.045, 0.03, 0.02, 0.015)  # successive distances within which a point is of the plane
+NARROW_M, NARROW_SD, NARROW_STEPS = 0.002, 2.5, 3  # at last only the bulk: edges of tables and feet of things pull
+MEDIAN_PER_SD = 0.6745  # of the absolute value of a Gaussian
+MAX_SLOPE = 0.1  # of a fitted plane; six sd of a calibration error of 1 degree
+MIN_AREA_M2 = 0.05  # a patch of 22 cm square; the top of a graspable thing is smaller
+MAX_SUPPORTS = 6
+MIN_RAY_SLOPE = 0.1  # a ray flatter than this tells nothing of a horizontal area
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """A horizontal plane: normal . point = offset, over the hull of its visible points.
+
+    Attributes:
+        normal: Unit vector, shape (3,), pointing up, base frame.
+        offset: Metres.
+        hull: Lines (a, b, c) with a x + b y + c <= 0 inside, shape (k, 3).
+        points: Its visible points, shape (n, 3), base frame.
+    """
+
+    normal: NDArray[np.float64]
+    offset: float
+    hull: NDArray[np.float64]
+    points: NDArray[np.float64]
+
+    def height(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the distance above the plane of points of shape (n, 3); shape (n,), metres."""
+        return np.asarray(points @ self.normal - self.offset)
+
+    def covers(self, points: NDArray[np.float64], margin_m: float) -> NDArray[np.bool_]:
+        """Return which of points, shape (n, 3), lie over the hull, or at most `margin_m` beside it; shape (n,)."""
+        beside = points[:, :2] @ self.hull[:, :2].T + self.hull[:, 2]
+        return np.asarray(beside.max(axis=1) <= margin_m)
+
+    def foot(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where points, shape (n, 3), stand on the plane: projected along its normal, of the same shape."""
+        return np.asarray(points - self.height(points)[:, None] * self.normal)
+
+    def z_at(self, x: float, y: float) -> float:
+        """Return the height of the plane at a place, metres, base frame."""
+        return float((self.offset - self.normal[0] * x - self.normal[1] * y) / self.normal[2])
+
+
+def find_supports(
+    points_base: NDArray[np.float64], camera_base: NDArray[np.float64], focal_px: float
+) -> tuple[Support, ...]:
+    """Return the horizontal planes in a cloud, highest first.
+
+    Args:
+        points_base: Shape (n, 3), metres, base frame, z nearly up.
+        camera_base: Shape (3,): where the points were seen from.
+        focal_px: Of the depth image that the points come from.
+    """
+    area = _area_per_point(points_base, camera_base, focal_px)
+    free = np.ones(len(points_base), dtype=bool)
+    found: list[Support] = []
+    for _ in range(MAX_SUPPORTS):
+        peak = _peak_height(points_base[free, 2], area[free])
+        if peak is None:
+            break
+        plane = _fit(points_base[free], peak)
+        near = free & (_distance(points_base, plane) < TRIM_M[-1])
+        if np.hypot(plane[0], plane[1]) < MAX_SLOPE and area[near].sum() >= MIN_AREA_M2:
+            found.append(_support(points_base[near], plane))
+            free &= ~near
+        else:
+            free &= np.abs(points_base[:, 2] - peak) > TRIM_M[0]
+    return tuple(sorted(found, key=lambda support: -float(np.median(support.points[:, 2]))))
+
+
+def _area_per_point(points: NDArray[np.float64], camera: NDArray[np.float64], focal_px: float) -> NDArray[np.float64]:
+    """Return the area of horizontal surface that a pixel stands for, shape (n,), square metres; 0 looking up."""
+    ray = points - camera
+    distance = np.linalg.norm(ray, axis=1)
+    slope = -ray[:, 2] / np.maximum(distance, np.finfo(np.float64).tiny)
+    return np.where(slope > MIN_RAY_SLOPE, (distance / focal_px) ** 2 / np.maximum(slope, MIN_RAY_SLOPE), 0.0)
+
+
+def _peak_height(heights: NDArray[np.float64], area: NDArray[np.float64]) -> float | None:
+    """Return the height around which most surface lies, or None if that is less than a support's."""
+    if not len(heights):
+        return None
+    lowest = np.floor(heights.min() / BIN_M) * BIN_M
+    bins = ((heights - lowest) / BIN_M).astype(np.int64)
+    histogram = np.bincount(bins, weights=area, minlength=PEAK_BINS)
+    window = np.convolve(histogram, np.ones(PEAK_BINS), mode="same")
+    peak = int(np.argmax(window))
+    return float(lowest + (peak + 0.5) * BIN_M) if window[peak] >= MIN_AREA_M2 / 2.0 else None
+
+
+def _fit(points: NDArray[np.float64], height: float) -> NDArray[np.float64]:
+    """Return (a, b, c) of z = a x + b y + c through the points near a height, by trimmed least squares."""
+    plane = np.array([0.0, 0.0, height])
+    design = np.column_stack([points[:, :2], np.ones(len(points))])
+    for trim in (*TRIM_M, *[None] * NARROW_STEPS):
+        distance = np.abs(points[:, 2] - design @ plane)
+        near = distance < (_bulk(distance[distance < TRIM_M[-1]]) if trim is None else trim)
+        if np.count_nonzero(near) < plane.size:
+            break
+        plane = np.linalg.lstsq(design[near], points[near, 2])[0]
+    return plane
+
+
+def _bulk(distance: NDArray[np.float64]) -> float:
+    """Return the distance from a plane within which the bulk of its points lies, by their median distance."""
+    sd = float(np.median(distance)) / MEDIAN_PER_SD if len(distance) else 0.0
+    return max(NARROW_M, NARROW_SD * sd)
+
+
+def _distance(points: NDArray[np.float64], plane: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the vertical distance of points, shape (n, 3), from z = a x + b y + c."""
+    return np.asarray(np.abs(points[:, 2] - points[:, :2] @ plane[:2] - plane[2]))
+
+
+def _support(points: NDArray[np.float64], plane: NDArray[np.float64]) -> Support:
+    length = float(np.sqrt(plane[0] ** 2 + plane[1] ** 2 + 1.0))
+    normal = np.array([-plane[0], -plane[1], 1.0]) / length
+    return Support(normal, float(plane[2]) / length, ConvexHull(points[:, :2]).equations, points)

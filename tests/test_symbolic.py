@@ -1,0 +1,437 @@
+"""The world without physics: what actions do to it, what its sensors say, and that its errors are those stated."""
+
+import math
+from collections.abc import Sequence
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from skolem.reasoner.protocols import Activity, Geometry
+from skolem.sim.symbolic import SymbolicWorld
+from skolem.sim.symbolic_arm import CARRY, base_T_tool, reach
+from skolem.sim.symbolic_geometry import SymbolicGeometry
+from skolem.sim.symbolic_view import SIGHT_M, Solid, camera, cast, depth_view, head_towards, in_sight
+from skolem.sim.truth import TrueBody
+from skolem.traces.messages import (
+    Action,
+    ActionResult,
+    Belief,
+    Command,
+    Hand,
+    HsvBelief,
+    LookAt,
+    MoveBase,
+    NoiseModel,
+    ObjectBelief,
+    ObjectType,
+    Observation,
+    Pick,
+    Place,
+    Pose4,
+    TrueObject,
+    Weigh,
+)
+
+TYPES = {
+    "bottle": ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.2), graspable=True),
+    "carton": ObjectType(shape="box", size_m=(0.06, 0.09, 0.14), graspable=True),
+    "soda": ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True),
+    "table": ObjectType(shape="table", size_m=(0.8, 1.2, 0.68), graspable=False),
+}
+EXACT = NoiseModel(
+    depth_sd_scale=0.0,
+    extrinsics_sd_m=0.0,
+    extrinsics_sd_rad=0.0,
+    found=1.0,
+    false_per_look=0.0,
+    type_right=1.0,
+    colour_gain=1.0,
+    colour_sd_rgb=0.0,
+    odometry_sd_m=0.0,
+    odometry_sd_per_m=0.0,
+    odometry_sd_rad=0.0,
+    odometry_sd_per_rad=0.0,
+    wrist_sd_newton=0.0,
+    wrist_drift_newton=0.0,
+    grasp_sd_m=0.0,
+    grasp_sd_rad=0.0,
+    place_sd_m=0.0,
+    place_sd_rad=0.0,
+)
+BODIES = (
+    TrueBody("table1", "table", (1.3, 0.0, 0.0, 0.0), (0.1, 0.5, 0.6), 30.0),
+    TrueBody("table2", "table", (0.0, -1.6, 0.0, -math.pi / 2), (0.1, 0.5, 0.6), 30.0),
+    TrueBody("green", "soda", (1.05, 0.1, 0.68, 0.3), (0.33, 0.9, 0.8), 0.35),
+    TrueBody("red", "carton", (1.1, -0.3, 0.68, 0.3), (0.99, 0.9, 0.8), 0.5),
+)
+
+
+def world(noise: NoiseModel = EXACT, seed: int = 0, bodies: Sequence[TrueBody] = BODIES) -> SymbolicWorld:
+    return SymbolicWorld(TYPES, bodies, (0.0, 0.0, 0.0), 0.2, noise, seed)
+
+
+def do(there: SymbolicWorld, command: Command, step: int = 0) -> tuple[ActionResult, Observation]:
+    return there.execute(Action(step=step, op="test", args=(), command=command))
+
+
+def thing(there: SymbolicWorld, name: str) -> TrueObject:
+    return next(item for item in there.state(0).objects if item.id == name)
+
+
+def looking(x: float, y: float, z: float) -> LookAt:
+    head = head_towards(0.2, np.array([x, y, z]))
+    assert head is not None
+    return LookAt(pan=head[0], tilt=head[1])
+
+
+LOOK = looking(1.05, 0.0, 0.74)
+DRIVE = MoveBase(start_T_waypoint=((0.43, 0.1, 0.0),))  # to where a hand reaches the green can
+
+
+def picking(x: float, y: float, hand: Hand = "right") -> Pick:
+    """Return a pick of a can planned to stand at (x, y) on table1, from where DRIVE ends."""
+    tool: Pose4 = (x - 0.43, y - 0.1, 0.75, 0.0)
+    joints = reach(hand, 0.2, tool)
+    assert joints is not None
+    path = (joints,)
+    return Pick(
+        hand=hand, approach=path, reach=path, lift=path, carry=(CARRY[hand],), tool_T_object=(0.0, 0.0, -0.07, 0.0)
+    )
+
+
+def placing(x: float, y: float, hand: Hand = "right") -> Place:
+    path = picking(x, y, hand).reach
+    return Place(hand=hand, approach=path, lower=path, retreat=path, carry=(CARRY[hand],))
+
+
+# ---------------------------------------------------------------- driving
+
+
+def test_odometry_says_what_was_commanded_and_the_base_goes_there_but_for_the_noise() -> None:
+    exact, noisy = world(), world(EXACT.model_copy(update={"odometry_sd_m": 0.05, "odometry_sd_rad": 0.1}))
+    for there in (exact, noisy):
+        result, _ = do(there, MoveBase(start_T_waypoint=((0.5, 0.0, 0.0), (1.0, 0.2, 0.4))))
+        assert (result.status, result.odometry) == ("done", (1.0, 0.2, 0.4))
+    assert exact.state(1).world_T_base == pytest.approx((1.0, 0.2, 0.4))
+    assert noisy.state(1).world_T_base != pytest.approx((1.0, 0.2, 0.4), abs=1e-3)
+
+
+def test_true_motion_errs_by_the_stated_share_of_the_way() -> None:
+    noise = EXACT.model_copy(update={"odometry_sd_m": 0.005, "odometry_sd_per_m": 0.02})
+    ends = []
+    for seed in range(400):
+        there = world(noise, seed)
+        do(there, MoveBase(start_T_waypoint=((2.0, 0.0, 0.0),)))
+        ends.append(there.state(1).world_T_base[:2])
+    assert np.std(np.array(ends) - (2.0, 0.0)) == pytest.approx(0.045, rel=4 / math.sqrt(2 * 800))
+
+
+# ---------------------------------------------------------------- looking
+
+
+def test_an_exact_look_reports_exactly_what_is_in_view() -> None:
+    _, observation = do(world(), LOOK)
+    found = {max(d.type_log_likelihood, key=d.type_log_likelihood.__getitem__): d for d in observation.detections}
+    assert sorted(found) == ["carton", "soda"]
+    assert found["soda"].base_T_object == pytest.approx((1.05, 0.1, 0.68, 0.0))
+    assert found["carton"].base_T_object == pytest.approx((1.1, -0.3, 0.68, 0.3))
+    assert found["soda"].rgb == pytest.approx((0.0944, 0.8, 0.08), abs=1e-3)
+
+
+def test_the_other_table_is_not_in_view() -> None:
+    elsewhere = (*BODIES, TrueBody("blue", "soda", (0.0, -1.35, 0.68, 0.0), (0.6, 0.9, 0.8), 0.35))
+    there = world(bodies=elsewhere)
+    assert len(do(there, LOOK)[1].detections) == 2
+    assert len(do(there, looking(0.0, -1.35, 0.74))[1].detections) == 1
+
+
+def test_what_stands_behind_something_taller_is_not_reported() -> None:
+    hidden = (*BODIES[:3], TrueBody("screen", "bottle", (0.99, 0.1, 0.68, 0.0), (0.6, 0.9, 0.8), 0.35))
+    names = [
+        max(d.type_log_likelihood, key=d.type_log_likelihood.__getitem__)
+        for d in do(world(bodies=hidden), LOOK)[1].detections
+    ]
+    assert names == ["bottle"]
+
+
+def test_looks_miss_confuse_and_invent_at_the_stated_rates() -> None:
+    noise = EXACT.model_copy(update={"found": 0.8, "type_right": 0.7, "false_per_look": 0.5})
+    found = right = invented = 0
+    looks = 400
+    for seed in range(looks):
+        _, observation = do(world(noise, seed), LOOK)
+        near = [d for d in observation.detections if math.dist(d.base_T_object[:2], (1.05, 0.1)) < 1e-6]
+        found += len(near)
+        right += sum(d.type_log_likelihood["soda"] == 0.0 for d in near)
+        both = [d for d in observation.detections if math.dist(d.base_T_object[:2], (1.1, -0.3)) < 1e-6]
+        invented += len(observation.detections) - len(near) - len(both)
+    assert found / looks == pytest.approx(0.8, abs=4 * math.sqrt(0.8 * 0.2 / looks))
+    assert right / found == pytest.approx(0.7, abs=4 * math.sqrt(0.7 * 0.3 / found))
+    assert invented / looks == pytest.approx(0.5, abs=4 * math.sqrt(0.5 / looks))
+
+
+def test_the_reported_covariance_is_that_of_the_reported_pose() -> None:
+    noise = EXACT.model_copy(update={"extrinsics_sd_m": 0.01, "extrinsics_sd_rad": 0.0175})
+    scores = []
+    for seed in range(300):
+        [detection] = do(world(noise, seed, BODIES[:3]), LOOK)[1].detections
+        a, b, _, c, _, _ = detection.covariance
+        error = np.subtract(detection.base_T_object[:2], (1.05, 0.1))
+        scores.append(error @ np.linalg.inv(np.array([[a, b], [b, c]])) @ error)
+    assert np.mean(scores) == pytest.approx(2.0, abs=4 * math.sqrt(4 / len(scores)))
+
+
+def test_colours_are_dimmed_by_the_gain_and_spread_by_the_sd() -> None:
+    noise = EXACT.model_copy(update={"colour_gain": 0.5, "colour_sd_rgb": 0.02})
+    green = [do(world(noise, seed, BODIES[:3]), LOOK)[1].detections[0].rgb[1] for seed in range(200)]
+    assert np.mean(green) == pytest.approx(0.4, abs=4 * 0.02 / math.sqrt(200))
+    assert np.std(green) == pytest.approx(0.02, rel=4 / math.sqrt(400))
+
+
+# ---------------------------------------------------------------- the camera
+
+
+def test_the_camera_sits_where_the_robot_model_has_its_kinect() -> None:
+    assert camera(0.0, 0.0, 0.0).origin == pytest.approx((-0.146, 0.013, 1.464), abs=1e-3)
+
+
+@pytest.mark.parametrize("point", [(1.05, 0.1, 0.74), (0.0, -1.35, 0.74), (-1.0, 0.5, 0.7), (0.5, 0.0, 1.8)])
+def test_the_head_turns_the_axis_of_the_camera_through_a_point(point: tuple[float, float, float]) -> None:
+    frame = camera(0.2, *(head_towards(0.2, np.array(point)) or (0.0, 0.0)))
+    _, left, up = (np.array(point) - frame.origin) @ frame.axes
+    assert (left, up) == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+def test_the_neck_does_not_bend_back_to_the_ceiling() -> None:
+    assert head_towards(0.2, np.array([0.5, 0.0, 4.0])) is None
+
+
+def test_rays_hit_tops_sides_and_the_floor_where_they_are() -> None:
+    frame = camera(0.2, 0.0, 0.6)
+    table = Solid("t", TYPES["table"], (1.3, 0.0, 0.0, 0.0))
+    can = Solid("c", TYPES["soda"], (1.05, 0.0125, 0.68, 0.0))
+    at = np.array([[1.3, 0.2, 0.68], [1.05, 0.0125, 0.795], [1.017, 0.0125, 0.70], [0.5, 0.0, 0.0]])
+    assert cast(frame, at - frame.origin, [table, can]) == pytest.approx(np.ones(4))
+    aside = np.array([[1.017, 0.05, 0.75]]) - frame.origin  # passes beside the can, down to the table behind it
+    assert cast(frame, aside, [table, can])[0] * aside[0, 2] + frame.origin[2] == pytest.approx(0.68)
+
+
+def test_the_depth_image_has_the_pixel_convention_of_its_message() -> None:
+    head = head_towards(0.2, np.array([1.3, 0.0, 0.68]))
+    assert head is not None
+    frame, table = camera(0.2, *head), Solid("t", TYPES["table"], (1.3, 0.0, 0.0, 0.0))
+    view = depth_view(frame, [table])
+    focal = view.rows / 2 / math.tan(view.fovy_rad / 2)
+    row, column = 14, 20
+    ray = np.array([1.0, -(column - view.columns / 2) / focal, -(row + 1 - view.rows / 2) / focal])
+    hit = frame.origin + frame.axes @ ray * view.depth_mm[row * view.columns + column] / 1000
+    assert hit == pytest.approx((1.3, 0.0, 0.68), abs=1e-3)
+
+
+def test_things_beyond_the_reach_of_the_detector_are_out_of_sight() -> None:
+    for x, seen in ((1.5, True), (SIGHT_M + 0.3, False)):
+        head = head_towards(0.2, np.array([x, 0.0, 0.74]))
+        assert head is not None
+        assert in_sight(camera(0.2, *head), Solid("c", TYPES["soda"], (x, 0.0, 0.68, 0.0)), []) is seen
+
+
+# ---------------------------------------------------------------- hands
+
+
+def test_reach_is_the_inverse_of_forward_kinematics_for_both_arms() -> None:
+    hands: tuple[Hand, ...] = get_args(Hand)
+    for hand in hands:
+        tool = (0.6, -0.1 if hand == "right" else 0.1, 0.75, 0.2)
+        joints = reach(hand, 0.2, tool)
+        assert joints is not None
+        assert base_T_tool(hand, 0.2, joints) == pytest.approx(tool)
+        assert reach(hand, 0.2, (1.6, 0.0, 0.75, 0.0)) is None
+
+
+@pytest.mark.parametrize(("offset", "status"), [(0.0, "done"), (0.025, "done"), (0.035, "failed")])
+def test_a_pick_fails_if_the_object_is_more_than_3_cm_from_where_it_was_planned_to_be(
+    offset: float, status: str
+) -> None:
+    there = world()
+    do(there, DRIVE)
+    result, _ = do(there, picking(1.05, 0.1 + offset), 1)
+    assert result.status == status
+    assert (result.gripper_gap_m, thing(there, "green").in_hand) == (
+        (0.066, "right") if status == "done" else (0.0, None)
+    )
+
+
+def test_what_is_held_goes_where_the_hand_goes_and_drops_onto_the_table_below() -> None:
+    there = world()
+    do(there, DRIVE)
+    do(there, picking(1.05, 0.1), 1)
+    carried = thing(there, "green")
+    assert carried.on is None
+    do(there, MoveBase(start_T_waypoint=((0.0, -0.1, 0.0),)), 2)
+    moved = np.subtract(thing(there, "green").world_T_object[:2], carried.world_T_object[:2])
+    assert moved == pytest.approx((0.0, -0.1))
+    result, _ = do(there, placing(1.1, 0.2), 3)
+    assert (result.status, thing(there, "green").on) == ("done", "table1")
+    assert thing(there, "green").world_T_object[:3] == pytest.approx((1.1, 0.1, 0.68))
+
+
+def test_an_empty_hand_places_nothing_and_a_full_one_picks_nothing() -> None:
+    there = world()
+    do(there, DRIVE)
+    assert do(there, placing(1.1, 0.2), 1)[0].status == "failed"
+    do(there, picking(1.05, 0.1), 2)
+    assert do(there, picking(1.05, 0.1), 3)[0].status == "failed"
+
+
+def test_grasping_and_releasing_move_the_object_by_the_stated_noise() -> None:
+    noise = EXACT.model_copy(update={"grasp_sd_m": 0.003, "place_sd_m": 0.004})
+    ends = []
+    for seed in range(300):
+        there = world(noise, seed)
+        do(there, DRIVE)
+        do(there, picking(1.05, 0.1), 1)
+        do(there, placing(1.1, 0.2), 2)
+        ends.append(thing(there, "green").world_T_object[:2])
+    assert np.std(np.array(ends) - (1.1, 0.2)) == pytest.approx(0.005, rel=4 / math.sqrt(1200))
+
+
+def test_the_right_wrist_feels_the_weight_and_the_left_has_no_sensor() -> None:
+    there = world()
+    do(there, DRIVE)
+    do(there, picking(1.05, 0.1), 1)
+    _, observation = do(there, Weigh(hand="right"), 2)
+    assert observation.wrench is not None
+    assert observation.wrench.force_newton == pytest.approx((0.0, 0.0, -9.81 * 0.35))
+    result, observation = do(there, Weigh(hand="left"), 3)
+    assert (result.status, observation.kind) == ("failed", "none")
+
+
+def test_a_disturbance_takes_an_object_out_of_the_hand() -> None:
+    there = world()
+    do(there, DRIVE)
+    do(there, picking(1.05, 0.1), 1)
+    there.disturb("green", (0.0, -1.5, 0.68, 0.0))
+    assert (thing(there, "green").on, thing(there, "green").in_hand) == ("table2", None)
+
+
+def test_equal_seeds_give_equal_worlds_and_other_seeds_others() -> None:
+    noise = EXACT.model_copy(update={"odometry_sd_m": 0.01, "extrinsics_sd_m": 0.01, "found": 0.9})
+    hashes = []
+    for seed in (1, 1, 2):
+        there = world(noise, seed)
+        said = [do(there, command, step) for step, command in enumerate((LOOK, DRIVE, LOOK))]
+        hashes.append((there.state(3).sha256, said))
+    assert hashes[0] == hashes[1] != hashes[2]
+
+
+# ---------------------------------------------------------------- geometry
+
+
+def belief_of(there: SymbolicWorld, held: Pose4 | None = None) -> Belief:
+    """Return a belief that is the truth."""
+    state = there.state(0)
+    return Belief(
+        step=0,
+        version=0,
+        world_T_base=state.world_T_base,
+        base_covariance=(0.0,) * 6,
+        robot=there.robot_state(),
+        anchors=tuple(item.id for item in state.objects),
+        objects={
+            item.id: ObjectBelief(
+                exists=1.0,
+                type={item.type: 1.0},
+                world_T_object=item.world_T_object,
+                covariance=(0.0,) * 6,
+                support=item.on,
+                in_hand=item.in_hand,
+                tool_T_object=held if item.in_hand else None,
+                colour=HsvBelief(mean=item.hsv, variance=(0.1, 0.1, 0.1)),
+                log_weight=(0.0, 1.0),
+            )
+            for item in state.objects
+        },
+        keys=(),
+        joint_covariance=(),
+    )
+
+
+def geometry(there: SymbolicWorld, held: Pose4 | None = None) -> Geometry:
+    answers = SymbolicGeometry(TYPES)
+    answers.sync(belief_of(there, held))
+    return answers
+
+
+@pytest.mark.parametrize("name", ["green", "red"])
+def test_what_geometry_says_can_be_done_works_in_the_world(name: str) -> None:
+    there, pick, place = world(), Activity("pick", name, "right"), Activity("place", name, "right", "table2")
+    assert geometry(there).ready(pick) is None
+    drive = geometry(there).approach(pick)
+    assert drive is not None
+    do(there, drive)
+    grasp = geometry(there).ready(pick)
+    assert isinstance(grasp, Pick)
+    assert do(there, grasp, 1)[0].status == "done"
+    assert geometry(there, grasp.tool_T_object).ready(place) is None
+    drive = geometry(there, grasp.tool_T_object).approach(place)
+    assert drive is not None
+    do(there, drive, 2)
+    release = geometry(there, grasp.tool_T_object).ready(place)
+    assert release is not None
+    assert do(there, release, 3)[0].status == "done"
+    assert thing(there, name).on == "table2"
+
+
+def test_a_look_from_the_answer_sees_its_object() -> None:
+    there = world()
+    look = geometry(there).ready(Activity("look", "red"))
+    assert look is not None
+    assert any(math.dist(d.base_T_object[:2], (1.1, -0.3)) < 1e-6 for d in do(there, look)[1].detections)
+
+
+def test_what_is_too_far_to_look_at_is_approached() -> None:
+    far = (*BODIES, TrueBody("table9", "table", (4.0, 0.0, 0.0, 0.0), (0.1, 0.5, 0.6), 30.0))
+    far = (*far, TrueBody("blue", "soda", (3.75, 0.0, 0.68, 0.0), (0.6, 0.9, 0.8), 0.35))
+    there, look = world(bodies=far), Activity("look", "blue")
+    assert geometry(there).ready(look) is None
+    drive = geometry(there).approach(look)
+    assert drive is not None
+    do(there, drive)
+    assert geometry(there).ready(look) is not None
+
+
+def test_places_keep_clear_of_what_stands_on_the_table() -> None:
+    crowd = [
+        TrueBody(f"can{i}{j}", "soda", (0.9 + 0.2 * i + 0.1, -0.5 + 0.2 * j, 0.68, 0.0), (0.6, 0.9, 0.8), 0.35)
+        for i in range(4)
+        for j in range(6)
+        if (i, j) != (0, 2)
+    ]
+    there = world(bodies=(*BODIES[:2], *crowd, TrueBody("held", "soda", (0.0, -1.4, 0.68, 0.0), (0.3, 1, 1), 0.3)))
+    drive = geometry(there).approach(Activity("pick", "held", "right"))
+    assert drive is not None
+    do(there, drive)
+    grasp = geometry(there).ready(Activity("pick", "held", "right"))
+    assert isinstance(grasp, Pick)
+    do(there, grasp, 1)
+    drive = geometry(there, grasp.tool_T_object).approach(Activity("place", "held", "right", "table1"))
+    assert drive is not None
+    do(there, drive, 2)
+    release = geometry(there, grasp.tool_T_object).ready(Activity("place", "held", "right", "table1"))
+    assert release is not None
+    do(there, release, 3)
+    nearest = min(
+        math.dist(thing(there, can.id).world_T_object[:2], thing(there, "held").world_T_object[:2]) for can in crowd
+    )
+    assert nearest > 0.066 + 0.05
+
+
+def test_an_object_in_the_hand_is_neither_looked_at_nor_picked() -> None:
+    there = world()
+    do(there, DRIVE)
+    do(there, picking(1.05, 0.1), 1)
+    for activity in (Activity("look", "green"), Activity("pick", "green", "left")):
+        assert geometry(there).ready(activity) is None
+        assert geometry(there).approach(activity) is None
+    assert geometry(there).ready(Activity("weigh", "green", "right")) == Weigh(hand="right")

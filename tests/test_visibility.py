@@ -1,0 +1,94 @@
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.visibility import prob_visible
+from skolem.traces.messages import DepthView, ObjectType, Pose2
+
+CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.12), graspable=True)
+ROWS, COLUMNS, FOVY = 60, 80, 0.796
+FOCAL = ROWS / 2 / math.tan(FOVY / 2)
+CAMERA_Z, FLOOR = 1.2, 0.6  # metres; things stand on a plane
+KNOWN = np.diag([1e-6, 1e-6, 1.0])
+
+
+def view(depth_m: NDArray[np.float64] | float, heading: float = 0.0) -> DepthView:
+    """A level camera above the origin that sees `depth_m` at each pixel."""
+    depth = np.broadcast_to(np.asarray(depth_m), (ROWS, COLUMNS))
+    return DepthView(
+        base_T_camera=(0.0, 0.0, CAMERA_Z, 0.0, 0.0, math.sin(heading / 2), math.cos(heading / 2)),
+        fovy_rad=FOVY,
+        columns=COLUMNS,
+        rows=ROWS,
+        depth_mm=tuple(round(1000 * d) for d in depth.ravel().tolist()),
+    )
+
+
+def visible(
+    picture: DepthView, pose: Pose2 = (2.0, 0.0, 0.0), cov: NDArray[np.float64] = KNOWN, z: float = CAMERA_Z
+) -> float:
+    return prob_visible(picture, pose, cov, z, CAN, EstimatorConfig())
+
+
+def test_object_before_a_far_wall_would_be_seen() -> None:
+    assert visible(view(4.0)) == 1.0
+
+
+def test_object_that_is_there_counts_as_in_sight() -> None:
+    assert visible(view(2.0 - 0.033)) == 1.0
+
+
+def test_object_behind_something_is_hidden() -> None:
+    assert visible(view(1.5)) == 0.0
+
+
+def test_object_of_which_a_little_is_covered_would_still_be_seen_but_not_half_of_one() -> None:
+    column = np.arange(COLUMNS)
+    sliver = np.where(column < COLUMNS / 2 - 0.5 * 0.033 / 2.0 * FOCAL - 1, 1.5, 4.0)
+    half = np.where(column <= COLUMNS / 2, 1.5, 4.0)
+    assert visible(view(np.tile(sliver, (ROWS, 1)))) == 1.0
+    assert visible(view(np.tile(half, (ROWS, 1)))) == 0.0
+
+
+@pytest.mark.parametrize("pose", [(-2.0, 0.0, 0.0), (2.0, 1.5, 0.0), (0.0, 2.0, 0.0)])
+def test_object_beside_or_behind_the_camera_is_out_of_sight(pose: Pose2) -> None:
+    assert visible(view(4.0), pose) == 0.0
+
+
+def test_object_cut_by_the_border_is_not_reported() -> None:
+    edge = 2.0 * (COLUMNS / 2) / FOCAL
+    assert visible(view(4.0), (2.0, edge - 0.08, 0.0)) == 1.0
+    assert visible(view(4.0), (2.0, edge, 0.0)) == 0.0
+
+
+def test_object_too_far_away_is_not_reported() -> None:
+    assert visible(view(4.4), (3.0, 0.0, 0.0)) == 0.0
+
+
+def test_camera_turns_with_its_frame() -> None:
+    assert visible(view(4.0, heading=math.pi / 2), (0.0, 2.0, 0.0)) == 1.0
+    assert visible(view(4.0, heading=math.pi / 2), (2.0, 0.0, 0.0)) == 0.0
+
+
+def test_rows_count_from_the_top() -> None:
+    upper_half_blocked = np.where(np.arange(ROWS) < ROWS / 2 - 1, 1.5, 4.0)[:, None] * np.ones(COLUMNS)
+    assert visible(view(upper_half_blocked), z=CAMERA_Z + 0.1) == 0.0
+    assert visible(view(upper_half_blocked), z=CAMERA_Z - 0.3) == 1.0
+
+
+def test_pixels_without_return_prove_nothing() -> None:
+    assert visible(view(0.0)) == 0.0
+
+
+def test_vague_object_is_partly_in_sight_at_the_border() -> None:
+    """Its position is known to 10 cm across, and its mean is half way out of the picture."""
+    edge = 2.0 * (COLUMNS / 2) / FOCAL
+    vague = np.diag([1e-6, 0.01, 1.0])
+    assert 0.1 < visible(view(4.0), (2.0, edge - 0.08, 0.0), vague) < 0.9
+    turned = np.diag([0.01, 1e-6, 1.0])  # the same in the axes of an object that is turned by a quarter
+    assert visible(view(4.0), (2.0, edge - 0.08, math.pi / 2), turned) == pytest.approx(
+        visible(view(4.0), (2.0, edge - 0.08, 0.0), vague)
+    )

@@ -1,0 +1,117 @@
+"""The `skolem` command: which verbs there are, each imported when it is used and not before."""
+
+import difflib
+import os
+import sys
+import traceback
+from importlib import import_module
+from importlib.metadata import version
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+VERBS = {  # verb -> (module with an `app`, its first docstring line)
+    "run": ("skolem.tools.run", "Run a scenario and record it as a trace."),
+    "scenario": ("skolem.tools.scenario_check", "Check scenario files, or print their JSON Schema."),
+    "results": ("skolem.tools.results", "Run a scenario for many seeds and write a table of how it went."),
+}
+BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
+
+
+class LazyGroup(TyperGroup):
+    """Knows its verbs by name, and loads the module of the one that is called.
+
+    Typer brings click's classes with it or takes them from the package, as its version has it: hence `Any`.
+    """
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the verbs in the order of the table."""
+        return list(VERBS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Import a verb's module and return its command."""
+        if cmd_name not in VERBS:
+            return None
+        command = typer.main.get_command(import_module(VERBS[cmd_name][0]).app)
+        command.name = cmd_name
+        return command
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the verbs without importing any."""
+        with formatter.section("Verbs"):
+            formatter.write_dl([(name, line) for name, (_, line) in VERBS.items()])
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the verb, or name the nearest one there is."""
+        if args[0] not in VERBS:
+            close = difflib.get_close_matches(args[0], VERBS, 1)
+            hint = f"did you mean '{close[0]}'?" if close else f"there are: {', '.join(VERBS)}"
+            ctx.fail(f"no verb '{args[0]}'; {hint}")
+        return super().resolve_command(ctx, args)
+
+
+app = typer.Typer(
+    cls=LazyGroup,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"skolem {version('skolem')}")
+        raise typer.Exit
+
+
+@app.callback()
+def skolem(
+    _version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", is_eager=True, callback=_print_version)
+    ] = False,
+) -> None:
+    """Achieve goals about objects that are only described.
+
+    Exit status: 0 done, 1 goal not achieved, 2 bad input, 3 unsound trace, 4 internal error, 130 interrupted.
+    """
+
+
+def main() -> int:
+    """Run the command line and return the exit status."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads are slower on small matrices, and not repeatable
+    try:
+        status = _run()
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    return status
+
+
+def _run() -> int:
+    try:
+        app(prog_name="skolem")
+    except SystemExit as leaving:
+        return leaving.code if isinstance(leaving.code, int) else int(leaving.code is not None)
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        raise
+    except Exception as error:
+        return _explain(error)
+    return 0
+
+
+def _explain(error: Exception) -> int:
+    """Say what went wrong on standard error; return the exit status."""
+    from skolem.traces.errors import InputError, TraceError
+
+    if isinstance(error, InputError | TraceError):
+        print(error, file=sys.stderr)
+        return BAD_INPUT if isinstance(error, InputError) else BAD_TRACE
+    traceback.print_exception(error)
+    print(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
+    return INTERNAL

@@ -1,0 +1,381 @@
+"""One run: the parts put together, and the loop observe, update, decide, act, every message recorded.
+
+The simulator alone knows the scenario's true world; belief and reasoner get the prior, observations and results.
+"""
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, Protocol, cast
+
+from google.protobuf.message import Message as Protobuf
+
+from skolem.estimation.belief import Belief
+from skolem.reasoner.agent import Agent, Turn
+from skolem.reasoner.expressions import Goal
+from skolem.reasoner.parser import goal_faults, parse_goal
+from skolem.reasoner.protocols import Activity, BeliefQueries, Geometry
+from skolem.reasoner.queries import Queries
+from skolem.reasoner.rulebook import Rulebook
+from skolem.sim.scenario import Document, Scenario, check, load_document, moves_before, prior, true_bodies
+from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.verdict import verdict
+from skolem.traces import messages
+from skolem.traces.environment import environment
+from skolem.traces.messages import Action, ActionResult, Command, Observation, Pose4, RobotState, RunEnd, TrueState
+from skolem.traces.writer import TraceWriter
+
+WorldKind = Literal["pybullet", "symbolic"]
+LOADING, SENSING, PHYSICS = "loading", "rendering_and_detection", "physics"
+ESTIMATION, REASONING, MOTION_PLANNING, RECORDING = "estimation", "reasoning", "motion_planning", "recording"
+PARTS = (SENSING, ESTIMATION, REASONING, MOTION_PLANNING, PHYSICS, RECORDING, LOADING)
+DROPPED = frozenset({"preimage_lost", "refused"})  # causes for which plans are given up
+
+
+class World(Protocol):
+    """What actions are executed in."""
+
+    @property
+    def tick(self) -> int:
+        """Simulated time so far, in ticks."""
+        ...
+
+    def robot_state(self) -> RobotState:
+        """Return what the encoders say."""
+        ...
+
+    def state(self, step: int) -> TrueState:
+        """Return the truth."""
+        ...
+
+    def disturb(self, object_id: str, world_T_object: Pose4) -> None:
+        """Move an object from outside."""
+        ...
+
+    def execute(self, action: Action) -> tuple[ActionResult, Observation]:
+        """Carry out an action."""
+        ...
+
+    def close(self) -> None:
+        """Free what the world holds."""
+        ...
+
+
+class Watcher(Protocol):
+    """Somebody who wants to see a run while it goes on."""
+
+    def believed(self, belief: messages.Belief, tick: int) -> None:
+        """Take notice of the belief before a decision."""
+        ...
+
+    def decided(self, turn: Turn) -> None:
+        """Take notice of plans and of the next action."""
+        ...
+
+    def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
+        """Take notice of what became of it."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """Everything a run is made of, read and found without fault.
+
+    Attributes:
+        document: The scenario file.
+        scenario: The same, checked.
+        rulebook: The rules, with the scenario's own.
+        goal: The scenario's goal.
+        seed: Of every draw.
+        world: Which simulator.
+        images: Whether camera images are recorded.
+        profile: Whether wall times are recorded.
+    """
+
+    document: Document
+    scenario: Scenario
+    rulebook: Rulebook
+    goal: Goal
+    seed: int
+    world: WorldKind
+    images: bool
+    profile: bool
+
+    @property
+    def types(self) -> dict[str, messages.ObjectType]:
+        """Every object type the rules know."""
+        return dict(self.rulebook.vocabulary.types)
+
+
+@dataclass(slots=True)
+class Outcome:
+    """How a run went.
+
+    Attributes:
+        end: Why it ended; None while it goes on, and if it was cut short.
+        verdict: Whether the goal is true in the world; None if the run was cut short.
+        actions: Executed actions.
+        replans: How often plans were dropped because what they needed was no longer believed, or found impossible.
+        clingo_calls: Calls of the rules.
+        tick: Simulated time in ticks.
+        seconds: Wall time by part.
+        total_s: Wall time in all.
+        content_hash: Of everything recorded but wall times.
+    """
+
+    end: RunEnd | None = None
+    verdict: messages.Verdict | None = None
+    actions: int = 0
+    replans: int = 0
+    clingo_calls: int = 0
+    tick: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+    total_s: float = 0.0
+    content_hash: str = ""
+
+
+def prepare(
+    path: Path,
+    overrides: Sequence[str] = (),
+    seed: int | None = None,
+    world: WorldKind = "pybullet",
+    images: bool = False,
+    profile: bool = False,
+) -> Setup:
+    """Read a scenario and its rules.
+
+    Raises:
+        InputError: With every fault found.
+    """
+    document = load_document(path, overrides)
+    rulebook = Rulebook.load(Queries, [rules for rules in document.rules if rules.is_file()])
+    words = rulebook.vocabulary.words()
+    scenario = check(document, rulebook.vocabulary.types, lambda goal, names: goal_faults(goal, words, names))
+    names = [item.id for item in scenario.belief.objects]
+    goal = parse_goal(scenario.goal, words, names)
+    return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, world, images, profile)
+
+
+def run(setup: Setup, path: Path, watcher: Watcher, watch: Stopwatch, outcome: Outcome) -> None:
+    """Run the robot until it stops by itself, and write the trace to `path`; `outcome` is filled in as it goes.
+
+    Whatever is raised meanwhile, the trace is closed with the reason before it goes on.
+    """
+    attachments = {"scenario.yaml": setup.document.effective_text().encode()}
+    attachments |= {f"rules/{name}": content for name, content in setup.rulebook.files.items()}
+    metadata = {"scenario": setup.scenario.name, "seed": str(setup.seed), "world": setup.world}
+    writer = TraceWriter(path, attachments=attachments, run=metadata, env=environment(), profile=setup.profile)
+    try:
+        with writer:
+            try:
+                _Run(setup, writer, watcher, watch, outcome).to_the_end()
+            finally:
+                outcome.seconds, outcome.total_s = watch.seconds(), watch.total()
+    finally:
+        outcome.content_hash = writer.content_hash
+
+
+class _Run:
+    """The loop, with all that takes part in it."""
+
+    def __init__(self, setup: Setup, writer: TraceWriter, watcher: Watcher, watch: Stopwatch, outcome: Outcome) -> None:
+        self._setup, self._watcher, self._watch, self._outcome = setup, watcher, watch, outcome
+        self._writer = writer
+        self._tick: Callable[[], int] = lambda: 0
+
+    def to_the_end(self) -> None:
+        """Start, loop, judge."""
+        self._write("/run/start", self._start())
+        with self._watch.part(LOADING):
+            world = self._world()
+        try:
+            self._tick = lambda: world.tick
+            self._loop(world)
+        finally:
+            world.close()
+
+    def _loop(self, world: World) -> None:
+        setup, scenario, types = self._setup, self._setup.scenario, self._setup.types
+        told = prior(scenario, types, setup.seed, world.robot_state())
+        self._write("/prior", told)
+        self._write("/truth/state", world.state(0))
+        with self._watch.part(LOADING):
+            belief = Belief(told)
+            geometry = RecordedGeometry(self._geometry(), self._write, self._watch)
+            queries = cast("BeliefQueries", belief)  # the same but for the class of its Gaussians, which is its own
+            agent = Agent(setup.goal, setup.rulebook, queries, geometry, scenario.limits)
+        step = 0
+        while (end := self._decide(agent, belief, geometry, step)) is None:
+            self._act(world, belief, step)
+            step += 1
+        self._judge(world, step, end)
+
+    def _decide(self, agent: Agent, belief: Belief, geometry: "RecordedGeometry", step: int) -> RunEnd | None:
+        """Take one decision; return the end of the run, or None with `self._action` to execute."""
+        with self._watch.part(ESTIMATION):
+            snapshot = belief.snapshot(step)
+        self._write("/belief", snapshot)
+        self._watcher.believed(snapshot, self._tick())
+        geometry.sync(snapshot)
+        with self._watch.part(REASONING):
+            turn = agent.decide(step)
+        for plan in turn.plans:
+            self._write("/plan", plan)
+        for decision in turn.decisions:
+            self._write("/decision", decision)
+        self._outcome.replans += sum(plan.cause in DROPPED for plan in turn.plans)
+        self._outcome.clingo_calls += sum(decision.clingo_calls for decision in turn.decisions)
+        self._watcher.decided(turn)
+        if turn.end is None:
+            assert turn.action is not None, "a turn has an action or an end"
+            self._action = turn.action
+        return turn.end
+
+    def _act(self, world: World, belief: Belief, step: int) -> None:
+        """Execute the action, record what came of it, and take it into the belief."""
+        action = self._action
+        self._write("/action", action)
+        for name, world_T_object in moves_before(self._setup.scenario, self._setup.types, step):
+            world.disturb(name, world_T_object)
+        with self._watch.part(SENSING if action.command.kind == "look_at" else PHYSICS):
+            result, observation = world.execute(action)
+        self._outcome.actions, self._outcome.tick = step + 1, world.tick
+        self._write("/action/result", result)
+        self._write("/obs", observation)
+        self._write("/truth/state", world.state(step + 1))
+        self._watcher.acted(action, result, observation)
+        with self._watch.part(ESTIMATION):
+            belief.update(action, result, observation)
+        self._close_step(step)
+
+    def _judge(self, world: World, step: int, end: RunEnd) -> None:
+        """Compare what the robot believes with the truth, and record both."""
+        setup = self._setup
+        self._outcome.verdict = verdict(
+            setup.goal, setup.rulebook, world.state(step), setup.types, setup.scenario.limits
+        )
+        self._write("/truth/verdict", self._outcome.verdict)
+        self._close_step(step)
+        self._write("/run/end", end)
+        self._outcome.end = end
+
+    def _close_step(self, step: int) -> None:
+        milliseconds = {part: round(1e3 * seconds, 3) for part, seconds in self._watch.seconds().items()}
+        self._write("/perf", messages.Perf(step=step, milliseconds=milliseconds))
+        with self._watch.part(RECORDING):
+            self._writer.close_step(step, self._tick())
+
+    def _write(self, topic: str, message: messages.Message | Protobuf) -> None:
+        with self._watch.part(RECORDING):
+            self._writer.write(topic, message, self._tick())
+
+    def _start(self) -> messages.RunStart:
+        setup = self._setup
+        return messages.RunStart(
+            scenario=setup.scenario.name,
+            scenario_sha256=hashlib.sha256(setup.document.effective_text().encode()).hexdigest(),
+            rules_sha256=setup.rulebook.sha256,
+            robot_sha256=_robot_sha256(setup.world),
+            world=setup.world,
+            seed=setup.seed,
+            goal=setup.scenario.goal,
+            limits=setup.scenario.limits,
+        )
+
+    def _world(self) -> World:
+        """Build the true world; only here is it decided which."""
+        setup, types = self._setup, self._setup.types
+        bodies, robot = true_bodies(setup.scenario, types), setup.scenario.robot
+        base, noise = (robot.base.x, robot.base.y, robot.base.theta), setup.scenario.noise.message()
+        if setup.world == "symbolic":
+            from skolem.sim.symbolic import SymbolicWorld
+
+            return SymbolicWorld(types, bodies, base, robot.torso_m, noise, setup.seed)
+        from skolem.sim.pybullet_world import PyBulletWorld
+
+        return PyBulletWorld(types, bodies, base, robot.torso_m, noise, setup.seed, self._record, setup.images)
+
+    def _record(self, topic: str, message: Protobuf) -> None:
+        self._write(topic, message)
+
+    def _geometry(self) -> Geometry:
+        """Build what answers the reasoner's geometric questions, from the belief alone."""
+        if self._setup.world == "symbolic":
+            from skolem.sim.symbolic_geometry import SymbolicGeometry
+
+            return SymbolicGeometry(self._setup.types)
+        from skolem.sim.planning import PlanningWorld
+
+        return PlanningWorld(self._setup.types, self._setup.seed)
+
+
+class RecordedGeometry:
+    """Passes geometric questions on, and records each with its answer."""
+
+    def __init__(self, geometry: Geometry, write: Callable[[str, messages.Message], None], watch: Stopwatch) -> None:
+        """Stand between the reasoner and `geometry`."""
+        self._geometry, self._write, self._watch = geometry, write, watch
+        self._step, self._version = 0, 0
+
+    def sync(self, belief: messages.Belief) -> None:
+        """Take over the believed world."""
+        self._step, self._version = belief.step, belief.version
+        with self._watch.part(MOTION_PLANNING):
+            self._geometry.sync(belief)
+
+    def ready(self, activity: Activity) -> Command | None:
+        """Return the command that does `activity` from here, or None."""
+        with self._watch.part(MOTION_PLANNING):
+            answer = self._geometry.ready(activity)
+        self._log(f"ready {activity}", answer)
+        return answer
+
+    def approach(self, activity: Activity) -> messages.MoveBase | None:
+        """Return a drive to where `activity` can be done, or None."""
+        with self._watch.part(MOTION_PLANNING):
+            answer = self._geometry.approach(activity)
+        self._log(f"approach {activity}", answer)
+        return answer
+
+    def _log(self, query: str, answer: Command | None) -> None:
+        self._write(
+            "/geometry",
+            messages.Geometry(step=self._step, query=query, belief_version=self._version, answer=answer),
+        )
+
+
+def _robot_sha256(world: WorldKind) -> str:
+    """Return the hash of the robot model's files; the symbolic robot has none."""
+    if world == "symbolic":
+        return ""
+    from skolem.sim.assets import robot_sha256
+
+    return robot_sha256()
+
+
+def summary(
+    setup: Setup, outcome: Outcome, status: messages.RunStatus, reason: str, trace: Path
+) -> Mapping[str, object]:
+    """Return the fields of `--json`, in the order in which they are printed."""
+    end, judged = outcome.end, outcome.verdict
+    return {
+        "scenario": setup.scenario.name,
+        "seed": setup.seed,
+        "world": setup.world,
+        "status": status,
+        "believed": status == "goal_achieved",
+        "true": None if judged is None else judged.true,
+        "reason": reason,
+        "anchor": None if end is None else end.anchor,
+        "witness": None if judged is None else judged.witness,
+        "goal_probability": None if end is None else end.goal_probability,
+        "actions": outcome.actions,
+        "replans": outcome.replans,
+        "clingo_calls": outcome.clingo_calls,
+        "simulated_s": round(outcome.tick / messages.TICKS_PER_SECOND, 3),
+        "wall_s": {part: round(outcome.seconds.get(part, 0.0), 3) for part in PARTS}
+        | {"total": round(outcome.total_s, 3)},
+        "trace": str(trace),
+        "content_hash": outcome.content_hash,
+    }

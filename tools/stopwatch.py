@@ -1,0 +1,47 @@
+"""Wall time by part of the work; the only place where the product reads a clock."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+class Stopwatch:
+    """Adds up the seconds spent in named parts; a part inside another stops the other meanwhile."""
+
+    def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
+        """Start with no time in any part.
+
+        Args:
+            clock: Seconds since any moment.
+        """
+        self._clock = clock
+        self._begun = clock()
+        self._since = self._begun
+        self._open: list[str] = []
+        self._seconds: dict[str, float] = {}
+
+    @contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        """Count the block's time for a part."""
+        self._charge()
+        self._open.append(name)
+        try:
+            yield
+        finally:
+            self._charge()
+            self._open.pop()
+
+    def seconds(self) -> dict[str, float]:
+        """Return the seconds of each part, in order of first use."""
+        self._charge()
+        return dict(self._seconds)
+
+    def total(self) -> float:
+        """Return the seconds since the start, in parts or not."""
+        return self._clock() - self._begun
+
+    def _charge(self) -> None:
+        now = self._clock()
+        if self._open:
+            self._seconds[self._open[-1]] = self._seconds.get(self._open[-1], 0.0) + now - self._since
+        self._since = now

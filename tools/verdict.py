@@ -1,0 +1,145 @@
+"""Whether a goal holds in the true world: the truth, queried as a belief that is certain of everything.
+
+So the very denotation that the robot reasons with is evaluated, with probabilities 0 and 1.
+"""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.reasoner.agent import Agent
+from skolem.reasoner.expressions import Goal
+from skolem.reasoner.protocols import Activity, Gaussian
+from skolem.reasoner.rulebook import Rulebook
+from skolem.sim.footprints import footprint, overhang
+from skolem.sim.poses import compose4, flat, inverse4, raised
+from skolem.traces.messages import (
+    Belief,
+    Command,
+    Hand,
+    HsvVolume,
+    Limits,
+    Meaning,
+    MoveBase,
+    ObjectType,
+    Quantity,
+    TrueObject,
+    TrueState,
+    TypeIs,
+    Verdict,
+)
+
+_DIMENSIONS: Mapping[Quantity, int] = {"pose": 3, "colour": 3, "weight": 1}
+
+
+class Truth:
+    """Answers the questions asked of a belief from what is so. Satisfies `reasoner.protocols.BeliefQueries`."""
+
+    def __init__(self, state: TrueState, types: Mapping[str, ObjectType]) -> None:
+        """Take over a true state."""
+        self._objects = {item.id: item for item in state.objects}
+        self._types = types
+        self._world_T_base = raised(state.world_T_base)
+        self._version = state.step
+
+    @property
+    def version(self) -> int:
+        """The step of the state: another state, another truth."""
+        return self._version
+
+    def anchors(self) -> tuple[str, ...]:
+        """Every object there is."""
+        return tuple(self._objects)
+
+    def prob_exists(self, anchor: str) -> float:
+        """1 if there is such an object."""
+        return float(anchor in self._objects)
+
+    def prob_property(self, anchor: str, meaning: Meaning) -> float:
+        """1 if the object has the property."""
+        return float(_has(self._objects[anchor], meaning))
+
+    def prob_on(self, anchor: str, support: str) -> float:
+        """1 if the object rests wholly on the top of `support`."""
+        item, under = self._objects[anchor], self._objects.get(support)
+        if under is None or item.in_hand is not None or item.on != support:
+            return 0.0
+        inner = footprint(self._types[item.type], flat(item.world_T_object))
+        outer = footprint(self._types[under.type], flat(under.world_T_object))
+        return float(overhang(inner, outer) <= 0.0)
+
+    def graspable(self, anchor: str) -> bool:
+        """Whether the object's type can be grasped."""
+        return self._types[self._objects[anchor].type].graspable
+
+    def held(self, hand: Hand) -> str | None:
+        """The object in that hand."""
+        return next((name for name, item in self._objects.items() if item.in_hand == hand), None)
+
+    def gaussian(self, quantity: Quantity, anchor: str) -> Gaussian:
+        """The true value, without variance."""
+        item = self._objects[anchor]
+        if quantity == "pose":
+            mean: tuple[float, ...] = flat(compose4(inverse4(self._world_T_base), item.world_T_object))
+        else:
+            mean = item.hsv if quantity == "colour" else (math.log(item.kg),)
+        return Gaussian(np.array(mean), np.zeros((len(mean), len(mean))), 1.0)
+
+    def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
+        """Zero: the truth is not observed."""
+        return np.zeros((_DIMENSIONS[quantity], _DIMENSIONS[quantity]))
+
+    def prob_detected(self, anchor: str) -> float:
+        """1: the truth overlooks nothing."""
+        return 1.0
+
+    def prob_favourable(self, anchor: str, meaning: Meaning, p: float) -> float:
+        """1 if the object has the property."""
+        return self.prob_property(anchor, meaning)
+
+    def prob_type_right(self) -> float:
+        """1: the truth confuses no types."""
+        return 1.0
+
+
+class _NoGeometry:
+    """What can be done is not asked of a goal that is only evaluated. Satisfies `reasoner.protocols.Geometry`."""
+
+    def sync(self, belief: Belief) -> None:
+        """Take no notice."""
+
+    def ready(self, activity: Activity) -> Command | None:
+        """Offer nothing."""
+        return None
+
+    def approach(self, activity: Activity) -> MoveBase | None:
+        """Offer nothing."""
+        return None
+
+
+def verdict(
+    goal: Goal, rulebook: Rulebook, state: TrueState, types: Mapping[str, ObjectType], limits: Limits
+) -> Verdict:
+    """Return whether the goal holds of the true state, and of which object.
+
+    An agent that has used up its actions plans nothing: it only says whether its goal is achieved.
+    """
+    agent = Agent(goal, rulebook, Truth(state, types), _NoGeometry(), limits)
+    end = agent.decide(limits.steps).end
+    assert end is not None, "without actions left, a decision is an end"
+    achieved = end.status == "goal_achieved"
+    return Verdict(true=achieved, witness=end.anchor if achieved else None)
+
+
+def _has(item: TrueObject, meaning: Meaning) -> bool:
+    if isinstance(meaning, TypeIs):
+        return item.type == meaning.type
+    if isinstance(meaning, HsvVolume):
+        hue, (saturation, value) = item.hsv[0], item.hsv[1:]
+        low, high = meaning.hue
+        around = low <= hue <= high if low <= high else hue >= low or hue <= high
+        within = meaning.saturation[0] <= saturation <= meaning.saturation[1]
+        return around and within and meaning.value[0] <= value <= meaning.value[1]
+    return meaning.at_least_kg <= item.kg and (meaning.below_kg is None or item.kg < meaning.below_kg)
