@@ -82,6 +82,7 @@ class Agent:
             self._belief,
             self._geometry,
             lambda expression, anchor: self._denotations.probability(expression, anchor, self._belief),
+            lambda expression, region: self._denotations.probability_of_new(expression, region, self._belief),
             self._rulebook.vocabulary.meanings,
         )
         queries = Queries(self._situation, self._denotations.alternatives)
@@ -235,7 +236,22 @@ class Agent:
         done = status == "goal_achieved"
         self._stack.clear()
         turn.plans.append(self._stack.message(step, Change("done" if done else "giveup")))
-        turn.end = RunEnd(status=status, steps=step, reason=reason, goal_probability=probability, anchor=anchor)
+        turn.end = RunEnd(
+            status=status,
+            steps=step,
+            reason=reason,
+            goal_probability=probability,
+            anchor=anchor,
+            conjuncts={} if anchor is None else self._conjuncts(anchor),
+            regions={region: self._belief.prob_contents(region) for region in self._belief.regions()},
+        )
+
+    def _conjuncts(self, anchor: str) -> dict[str, float]:
+        """Return the probability of every property the goal's descriptions turn on, for one anchor."""
+        found: dict[str, float] = {}
+        for expression in self._goal.expressions:
+            found |= self._denotations.conjuncts(expression, anchor, self._belief)
+        return found
 
     def _best_candidate(self) -> tuple[float, str | None]:
         """Return the instantiation that is closest to the goal: (product of its probabilities, what it is about)."""

@@ -24,6 +24,7 @@ from skolem.traces.errors import InternalError
 from skolem.traces.messages import Meaning
 
 MOST_ALTERNATIVES: Final = 32  # sets of properties kept per description, smallest first
+STRANGER: Final = "_new_"  # an object that nobody has met yet
 _NOTHING: Final = Compound("", ())
 
 
@@ -49,6 +50,18 @@ class GroundBeliefs(Protocol):
 
     def prob_on(self, anchor: str, support: str) -> float:
         """P(the object rests on the top of `support`)."""
+        ...
+
+
+class OpenBeliefs(GroundBeliefs, Protocol):
+    """What is believed, beyond the known objects, of those nobody has met yet."""
+
+    def prob_property_of_new(self, meaning: Meaning) -> float:
+        """P(an arbitrary new object has the property)."""
+        ...
+
+    def region_support(self, region: str) -> str:
+        """The anchor on whose top the region lies."""
         ...
 
 
@@ -229,6 +242,38 @@ def _leaf(leaf: Leaf, axes: tuple[Term, ...], beliefs: _Beliefs) -> NDArray[np.f
     return np.array(values, dtype=np.float64).reshape(shape)
 
 
+class WithStranger:
+    """A belief with one more object in it, which is in a region and otherwise as any object may be."""
+
+    def __init__(self, belief: OpenBeliefs, region: str) -> None:
+        self._belief, self._region = belief, region
+
+    @property
+    def version(self) -> int:
+        """As the belief's."""
+        return self._belief.version
+
+    def anchors(self) -> tuple[str, ...]:
+        """The known anchors and the stranger."""
+        return (*self._belief.anchors(), STRANGER)
+
+    def prob_exists(self, anchor: str) -> float:
+        """1 for the stranger: what is asked is given that it exists."""
+        return 1.0 if anchor == STRANGER else self._belief.prob_exists(anchor)
+
+    def prob_property(self, anchor: str, meaning: Meaning) -> float:
+        """The prior of an arbitrary object for the stranger."""
+        if anchor == STRANGER:
+            return self._belief.prob_property_of_new(meaning)
+        return self._belief.prob_property(anchor, meaning)
+
+    def prob_on(self, anchor: str, support: str) -> float:
+        """1 for the stranger on the region's support."""
+        if anchor == STRANGER:
+            return float(support == self._belief.region_support(self._region))
+        return 0.0 if support == STRANGER else self._belief.prob_on(anchor, support)
+
+
 # ---------------------------------------------------------------- which properties make it true
 
 
@@ -289,6 +334,10 @@ class Denotations:
     def probability(self, expression: str, anchor: str, belief: GroundBeliefs) -> float:
         """Return P(Den); 0 for an unknown anchor."""
         return self.table(expression, belief).get(anchor, 0.0)
+
+    def probability_of_new(self, expression: str, region: str, belief: OpenBeliefs) -> float:
+        """Return P(Den) of an arbitrary object that nobody has met yet and that is in the region."""
+        return evaluate(self.circuits[expression], WithStranger(belief, region), self._vocabulary)[STRANGER]
 
     def conjuncts(self, expression: str, anchor: str, belief: GroundBeliefs) -> dict[str, float]:
         """Return the probability of each property that the description turns on: the parts of an explanation."""

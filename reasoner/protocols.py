@@ -13,20 +13,23 @@ from numpy.typing import NDArray
 from skolem.traces.messages import Belief, Command, Hand, Meaning, MoveBase, Quantity
 
 
-@dataclass(frozen=True, slots=True)
-class Gaussian:
-    """A Gaussian belief on one quantity of one object.
+class Gaussian(Protocol):
+    """A Gaussian belief on one quantity of one object."""
 
-    Attributes:
-        mean: Shape (n,). pose: x, y, theta of base_T_object (m, rad); colour: hue, saturation, value (0..1);
-            weight: ln(kg).
-        covariance: Shape (n, n), same units squared. pose: tangent space of the mean, object frame.
-        probability: Mixture weight P_b: that the object exists at all.
-    """
+    @property
+    def mean(self) -> NDArray[np.float64]:
+        """Shape (n,). pose: x, y, theta of base_T_object (m, rad); colour: hue, saturation, value; weight: ln(kg)."""
+        ...
 
-    mean: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    probability: float
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """Shape (n, n), same units squared. pose: tangent space of the mean, object frame."""
+        ...
+
+    @property
+    def probability(self) -> float:
+        """Mixture weight P_b: that the object exists at all."""
+        ...
 
 
 class BeliefQueries(Protocol):
@@ -51,6 +54,26 @@ class BeliefQueries(Protocol):
 
     def prob_on(self, anchor: str, support: str) -> float:
         """P(the object rests wholly on the top of `support`); 0 while it is held."""
+        ...
+
+    def prob_property_of_new(self, meaning: Meaning) -> float:
+        """P(an arbitrary object that nobody has met yet has the property)."""
+        ...
+
+    def regions(self) -> tuple[str, ...]:
+        """Every region of space that can be searched, in order of introduction."""
+        ...
+
+    def region_support(self, region: str) -> str:
+        """The anchor on whose top the region lies."""
+        ...
+
+    def prob_contents(self, region: str) -> float:
+        """BContents: the part of the region that has been seen, known objects taken out."""
+        ...
+
+    def prob_exists_in(self, region: str, match: float) -> float:
+        """P(the unseen part of the region holds an object with a property that an arbitrary one has with p = match)."""
         ...
 
     def graspable(self, anchor: str) -> bool:
@@ -87,20 +110,23 @@ class Activity:
     """Something to be done from a base pose.
 
     Attributes:
-        kind: "look", "pick", "place" or "weigh".
-        anchor: The object it is about.
+        kind: "look", "look_region", "pick", "place" or "weigh".
+        anchor: The object it is about; the region for look_region.
         hand: The hand that does it; None for a look.
         support: Where to place; None otherwise.
+        clear_of: What the object must not stand in the way of when it is placed; None if that does not matter.
     """
 
     kind: str
     anchor: str
     hand: Hand | None = None
     support: str | None = None
+    clear_of: "Activity | None" = None
 
     def __str__(self) -> str:
         """Return `pick(right, o2)` and the like."""
-        return f"{self.kind}({', '.join(x for x in (self.hand, self.anchor, self.support) if x)})"
+        arguments = (self.hand, self.anchor, self.support, self.clear_of)
+        return f"{self.kind}({', '.join(str(x) for x in arguments if x is not None)})"
 
 
 class Geometry(Protocol):
@@ -116,4 +142,8 @@ class Geometry(Protocol):
 
     def approach(self, activity: Activity) -> MoveBase | None:
         """Return a drive to a base pose from which `activity` can be done (pick and place: and its object seen)."""
+        ...
+
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        """Return the movable anchors to take away before `activity` can be done from anywhere; empty if it is free."""
         ...

@@ -44,6 +44,19 @@ class Queries:
         """-ln P_p: how likely the description denotes the anchor now."""
         return nll(self._den(expression, anchor))
 
+    def searchable(self, expression: str, p: int) -> list[Term]:
+        """(region, -ln P(ExistsIn)) for each region that may hold what is meant and is not yet known to the bound p."""
+        found: list[Term] = []
+        for region in self._now.belief.regions():
+            cost = nll(self._now.probability(Compound("exists_in", (expression, region))))
+            if cost <= _IMPLAUSIBLE and nll(self._now.belief.prob_contents(region)) > p:
+                found.append(Compound("", (region, cost)))
+        return found
+
+    def blockers(self, activity: Term) -> list[Term]:
+        """The movable anchors that stand in the way of an activity."""
+        return list(self._now.blockers(activity))
+
     def props_for(self, expression: str, anchor: str, p: int) -> list[Term]:
         """PropsFor: of each set of properties that suffices, those believed less than their even share of the bound."""
         found: list[Term] = []

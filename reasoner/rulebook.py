@@ -22,8 +22,11 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "vocabulary",  # words and their meanings
     "denote",  # what a description means
     "infer",  # from descriptions to properties to quantities
+    "find",  # from descriptions to regions
     "look",
+    "look_region",
     "weigh",
+    "clear",
     "pick",
     "place",
     "move",

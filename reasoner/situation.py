@@ -12,20 +12,28 @@ from skolem.reasoner.terms import ANY, Compound, Term, nll
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import HANDS, Hand, Meaning, Quantity
 
+_ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
 QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")
 Denotation = Callable[[str, str], float]  # (expression constant, anchor) -> P(Den)
+Stranger = Callable[[str, str], float]  # (expression constant, region) -> P(an arbitrary object there is what is meant)
 
 
 class Situation:
     """Truth and probability of fluents in one belief."""
 
     def __init__(
-        self, belief: BeliefQueries, geometry: Geometry, denotation: Denotation, meanings: Mapping[str, Meaning]
+        self,
+        belief: BeliefQueries,
+        geometry: Geometry,
+        denotation: Denotation,
+        stranger: Stranger,
+        meanings: Mapping[str, Meaning],
     ) -> None:
         self.belief = belief
         self.geometry = geometry
         self.meanings = meanings
         self._denotation = denotation
+        self._stranger = stranger
         self._anchors = belief.anchors()
         self._holds: dict[Term, bool] = {}
         self._probability: dict[Term, float] = {}
@@ -69,6 +77,10 @@ class Situation:
             case Compound("at", (activity,)):
                 wanted = self.activity(activity)
                 return wanted is not None and self.geometry.ready(wanted) is not None
+            case Compound("clear", (activity,)):
+                return not self.blockers(activity)
+            case Compound("aside", (str(anchor), activity)):
+                return anchor not in self.blockers(activity)
         raise InternalError(f"the rules ask for {fluent}, which is not a fluent the belief or the geometry can answer")
 
     def _gaussian_holds(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term, p: Term) -> bool:
@@ -85,6 +97,10 @@ class Situation:
                 return self._denotation(expression, anchor)
             case Compound("on", (str(anchor), str(support))):
                 return self.belief.prob_on(anchor, support)
+            case Compound("contents", (str(region),)):
+                return self.belief.prob_contents(region)
+            case Compound("exists_in", (str(expression), str(region))):
+                return self.belief.prob_exists_in(region, self._stranger(expression, region))
             case Compound("prop" | "supposed", (str(word), str(anchor))):
                 return self.prob_word(word, anchor)
             case Compound("type", (str(anchor), str(word))):
@@ -106,12 +122,19 @@ class Situation:
             raise InternalError(f"no property {word!r}; there are: {', '.join(sorted(self.meanings))}")
         return self.belief.prob_property(anchor, self.meanings[word])
 
+    def blockers(self, activity: Term) -> tuple[str, ...]:
+        """Return what stands in the way of an activity; nothing does while its object is in a hand."""
+        wanted = self.activity(activity)
+        if wanted is None or self.hand_of(wanted.anchor) is not None:
+            return ()
+        return self.geometry.blockers(wanted)
+
     def hand_of(self, anchor: str) -> Hand | None:
         """Return the hand that holds the anchor."""
         return next((hand for hand in HANDS if self.belief.held(hand) == anchor), None)
 
     def activity(self, term: Term) -> Activity | None:
-        """Return what `look(o)`, `pick(h, o)`, `place(o, s)` or `weigh(o)` asks of the geometry; None if it cannot be.
+        """Return what a term such as `pick(right, o)` asks of the geometry; None if it cannot be as things are.
 
         Raises:
             InternalError: If there is no such activity.
@@ -121,13 +144,16 @@ class Situation:
                 return Activity("look", anchor) if self.hand_of(anchor) is None else None
             case Compound("pick", (str(hand), str(anchor))):
                 return Activity("pick", anchor, hand_named(hand))
-            case Compound("place", (str(anchor), str(support))):
+            case Compound("look_region", (str(region),)):
+                return Activity("look_region", region)
+            case Compound("place", (str(anchor), str(support), other)):
                 holder = self.hand_of(anchor)
-                return None if holder is None else Activity("place", anchor, holder, support)
+                clear_of = None if other == "nothing" else self.activity(other)
+                return None if holder is None else Activity("place", anchor, holder, support, clear_of)
             case Compound("weigh", (str(anchor),)):
                 holder = self.hand_of(anchor)
                 return None if holder is None else Activity("weigh", anchor, holder)
-        raise InternalError(f"the rules name the activity {term}; there are look/1, pick/2, place/2 and weigh/1")
+        raise InternalError(f"the rules name the activity {term}; there are {_ACTIVITIES}")
 
 
 def hand_named(name: str) -> Hand:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.reasoner.protocols import Activity, Gaussian
+from skolem.reasoner.protocols import Activity
 from skolem.traces.messages import (
     Belief,
     Command,
@@ -24,6 +24,24 @@ from skolem.traces.messages import (
 )
 
 _STILL = ((0.0,) * 7,)
+
+
+@dataclass(frozen=True)
+class Normal:
+    """A Gaussian as numbers."""
+
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    probability: float
+
+
+@dataclass
+class Region:
+    """What is believed of a region."""
+
+    support: str
+    objects: float = 0.3
+    seen: float = 0.0
 
 
 @dataclass
@@ -44,8 +62,10 @@ class Thing:
 class TableBelief:
     """Satisfies `BeliefQueries`; `changed()` after every edit."""
 
-    def __init__(self, things: dict[str, Thing]) -> None:
+    def __init__(self, things: dict[str, Thing], regions: dict[str, Region] | None = None) -> None:
         self.things = things
+        self.spaces = regions or {}
+        self.new = Thing({"soda": 0.5, "bottle": 0.5})
         self._version = 0
 
     def changed(self) -> None:
@@ -62,7 +82,25 @@ class TableBelief:
         return self.things[anchor].exists if anchor in self.things else 0.0
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
-        thing = self.things[anchor]
+        return self._prob(self.things[anchor], meaning)
+
+    def prob_property_of_new(self, meaning: Meaning) -> float:
+        return self._prob(self.new, meaning)
+
+    def regions(self) -> tuple[str, ...]:
+        return tuple(self.spaces)
+
+    def region_support(self, region: str) -> str:
+        return self.spaces[region].support
+
+    def prob_contents(self, region: str) -> float:
+        return self.spaces[region].seen
+
+    def prob_exists_in(self, region: str, match: float) -> float:
+        space = self.spaces[region]
+        return 1.0 - math.exp(-space.objects * (1.0 - space.seen) * match)
+
+    def _prob(self, thing: Thing, meaning: Meaning) -> float:
         match meaning:
             case TypeIs(type=name):
                 return thing.types.get(name, 0.0)
@@ -87,13 +125,13 @@ class TableBelief:
     def held(self, hand: Hand) -> str | None:
         return next((a for a, t in self.things.items() if t.hand == hand), None)
 
-    def gaussian(self, quantity: Quantity, anchor: str) -> Gaussian:
+    def gaussian(self, quantity: Quantity, anchor: str) -> Normal:
         thing = self.things[anchor]
         if quantity == "weight":
-            return Gaussian(np.array([thing.ln_kg[0]]), np.array([[thing.ln_kg[1] ** 2]]), thing.exists)
+            return Normal(np.array([thing.ln_kg[0]]), np.array([[thing.ln_kg[1] ** 2]]), thing.exists)
         if quantity == "colour":
-            return Gaussian(np.array(thing.hsv), np.eye(3) * thing.hsv_sd**2, thing.exists)
-        return Gaussian(np.zeros(3), np.diag([thing.pose_sd**2, thing.pose_sd**2, 4.0]), thing.exists)
+            return Normal(np.array(thing.hsv), np.eye(3) * thing.hsv_sd**2, thing.exists)
+        return Normal(np.zeros(3), np.diag([thing.pose_sd**2, thing.pose_sd**2, 4.0]), thing.exists)
 
     def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
         del anchor
@@ -121,6 +159,7 @@ class TableGeometry:
     def __init__(self) -> None:
         self.at: set[str] = set()
         self.impossible: set[str] = set()
+        self.in_the_way: dict[str, tuple[str, ...]] = {}
         self.asked: list[str] = []
 
     def sync(self, belief: Belief) -> None:
@@ -140,6 +179,10 @@ class TableGeometry:
             return None
         return _command(activity)
 
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        self.asked.append(f"blockers {activity}")
+        return self.in_the_way.get(str(activity), ())
+
     def approach(self, activity: Activity) -> MoveBase | None:
         self.asked.append(f"approach {activity}")
         return (
@@ -149,7 +192,7 @@ class TableGeometry:
 
 def _command(activity: Activity) -> Command:
     hand: Hand = activity.hand or "right"
-    if activity.kind == "look":
+    if activity.kind in ("look", "look_region"):
         return LookAt(pan=0.0, tilt=0.5)
     if activity.kind == "pick":
         return Pick(

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from minds import Normal
 
 from skolem.reasoner import gaussians
-from skolem.reasoner.protocols import Gaussian
 from skolem.reasoner.terms import Compound, compound, nll, parse_term
 from skolem.traces.messages import HsvVolume, WeightInterval
 
@@ -18,8 +18,8 @@ RED = HsvVolume(hue=(0.95, 0.05), saturation=(0.4, 1.0), value=(0.2, 1.0))
 HEAVY = WeightInterval(at_least_kg=0.4)
 
 
-def pose(covariance: np.ndarray, mean: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Gaussian:
-    return Gaussian(np.array(mean), covariance, 0.9)
+def pose(covariance: np.ndarray, mean: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Normal:
+    return Normal(np.array(mean), covariance, 0.9)
 
 
 def test_a_rotated_ellipse_that_sticks_out_is_not_contained_although_its_diagonal_is() -> None:
@@ -42,7 +42,7 @@ def test_the_mixture_weight_is_part_of_the_fluent() -> None:
 
 
 def test_the_mean_is_compared_around_the_turn_of_hue_and_heading() -> None:
-    red = Gaussian(np.array([0.99, 0.8, 0.8]), np.eye(3) * 1e-6, 1.0)
+    red = Normal(np.array([0.99, 0.8, 0.8]), np.eye(3) * 1e-6, 1.0)
     bounds = parse_term("v(10,800,800)"), parse_term("sd(50,50,50)"), parse_term("tol(30,50,50)")
     assert gaussians.holds("colour", red, *bounds, SURE)
     about = pose(np.eye(3) * 1e-8, (0.0, 0.0, math.pi - 0.01))
@@ -68,7 +68,7 @@ def test_one_observation_from_what_was_needed_before_gives_what_was_asked(
 
 @pytest.mark.parametrize("volume", [GREEN, RED])
 def test_any_belief_inside_a_colour_band_has_the_property(volume: HsvVolume) -> None:
-    prior = Gaussian(np.array([0.5, 0.6, 0.6]), np.diag([0.5, 0.3, 0.3]) ** 2, 1.0)
+    prior = Normal(np.array([0.5, 0.6, 0.6]), np.diag([0.5, 0.3, 0.3]) ** 2, 1.0)
     found = gaussians.band(volume, prior, np.diag([0.01, 0.03, 0.03]) ** 2, 0.9)
     assert found is not None
     mu, sigma, delta = (np.array([a for a in bound.args if isinstance(a, int)]) / 1000 for bound in _compounds(found))
@@ -85,7 +85,7 @@ def test_any_belief_inside_a_colour_band_has_the_property(volume: HsvVolume) -> 
 
 
 def test_a_heavy_band_starts_above_the_limit_and_holds_every_heavier_mean() -> None:
-    prior = Gaussian(np.array([math.log(0.3)]), np.array([[0.36]]), 1.0)
+    prior = Normal(np.array([math.log(0.3)]), np.array([[0.36]]), 1.0)
     found = gaussians.band(HEAVY, prior, np.array([[0.01]]), 0.9655)
     assert found is not None
     (mu,), (sd,), (half,) = (bound.args for bound in _compounds(found))
@@ -98,7 +98,7 @@ def test_a_heavy_band_starts_above_the_limit_and_holds_every_heavier_mean() -> N
 
 
 def test_a_sensor_far_coarser_than_the_set_has_no_band() -> None:
-    prior = Gaussian(np.array([0.5, 0.6, 0.6]), np.eye(3) * 0.25, 1.0)
+    prior = Normal(np.array([0.5, 0.6, 0.6]), np.eye(3) * 0.25, 1.0)
     assert gaussians.band(GREEN, prior, np.eye(3) * 0.25, 0.99) is None
 
 

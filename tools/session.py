@@ -7,7 +7,7 @@ import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, Protocol, cast
+from typing import Literal, Protocol
 
 from google.protobuf.message import Message as Protobuf
 
@@ -15,7 +15,7 @@ from skolem.estimation.belief import Belief
 from skolem.reasoner.agent import Agent, Turn
 from skolem.reasoner.expressions import Goal
 from skolem.reasoner.parser import goal_faults, parse_goal
-from skolem.reasoner.protocols import Activity, BeliefQueries, Geometry
+from skolem.reasoner.protocols import Activity, Geometry
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.scenario import Document, Scenario, check, load_document, moves_before, prior, true_bodies
@@ -203,8 +203,7 @@ class _Run:
         with self._watch.part(LOADING):
             belief = Belief(told)
             geometry = RecordedGeometry(self._geometry(), self._write, self._watch)
-            queries = cast("BeliefQueries", belief)  # the same but for the class of its Gaussians, which is its own
-            agent = Agent(setup.goal, setup.rulebook, queries, geometry, scenario.limits)
+            agent = Agent(setup.goal, setup.rulebook, belief, geometry, scenario.limits)
         step = 0
         while (end := self._decide(agent, belief, geometry, step)) is None:
             self._act(world, belief, step)
@@ -337,6 +336,18 @@ class RecordedGeometry:
             answer = self._geometry.approach(activity)
         self._log(f"approach {activity}", answer)
         return answer
+
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        """Return what stands in the way of `activity`."""
+        with self._watch.part(MOTION_PLANNING):
+            found = self._geometry.blockers(activity)
+        self._write(
+            "/geometry",
+            messages.Geometry(
+                step=self._step, query=f"blockers {activity}", belief_version=self._version, blockers=found
+            ),
+        )
+        return found
 
     def _log(self, query: str, answer: Command | None) -> None:
         self._write(

@@ -5,13 +5,14 @@ So the very denotation that the robot reasons with is evaluated, with probabilit
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skolem.reasoner.agent import Agent
 from skolem.reasoner.expressions import Goal
-from skolem.reasoner.protocols import Activity, Gaussian
+from skolem.reasoner.protocols import Activity
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.footprints import footprint, overhang
 from skolem.sim.poses import compose4, flat, inverse4, raised
@@ -70,6 +71,26 @@ class Truth:
         outer = footprint(self._types[under.type], flat(under.world_T_object))
         return float(overhang(inner, outer) <= 0.0)
 
+    def prob_property_of_new(self, meaning: Meaning) -> float:
+        """0: the truth knows every object."""
+        return 0.0
+
+    def regions(self) -> tuple[str, ...]:
+        """None: the truth need not be searched."""
+        return ()
+
+    def region_support(self, region: str) -> str:
+        """Not asked, as there are no regions."""
+        raise KeyError(region)
+
+    def prob_contents(self, region: str) -> float:
+        """1: everything is seen."""
+        return 1.0
+
+    def prob_exists_in(self, region: str, match: float) -> float:
+        """0: nothing is left to be met."""
+        return 0.0
+
     def graspable(self, anchor: str) -> bool:
         """Whether the object's type can be grasped."""
         return self._types[self._objects[anchor].type].graspable
@@ -78,14 +99,14 @@ class Truth:
         """The object in that hand."""
         return next((name for name, item in self._objects.items() if item.in_hand == hand), None)
 
-    def gaussian(self, quantity: Quantity, anchor: str) -> Gaussian:
+    def gaussian(self, quantity: Quantity, anchor: str) -> "Exact":
         """The true value, without variance."""
         item = self._objects[anchor]
         if quantity == "pose":
             mean: tuple[float, ...] = flat(compose4(inverse4(self._world_T_base), item.world_T_object))
         else:
             mean = item.hsv if quantity == "colour" else (math.log(item.kg),)
-        return Gaussian(np.array(mean), np.zeros((len(mean), len(mean))), 1.0)
+        return Exact(np.array(mean), np.zeros((len(mean), len(mean))), 1.0)
 
     def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
         """Zero: the truth is not observed."""
@@ -104,6 +125,15 @@ class Truth:
         return 1.0
 
 
+@dataclass(frozen=True, slots=True)
+class Exact:
+    """A value without variance. Satisfies `reasoner.protocols.Gaussian`."""
+
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    probability: float
+
+
 class _NoGeometry:
     """What can be done is not asked of a goal that is only evaluated. Satisfies `reasoner.protocols.Geometry`."""
 
@@ -117,6 +147,10 @@ class _NoGeometry:
     def approach(self, activity: Activity) -> MoveBase | None:
         """Offer nothing."""
         return None
+
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        """Name nothing."""
+        return ()
 
 
 def verdict(

@@ -139,6 +139,15 @@ class PriorObject(Message):
     log_weight: tuple[float, float] | None = Field(default=None, description="mean, variance of ln(kg); null: prior")
 
 
+class PriorRegion(Message):
+    """A region of space the robot may search: the air above the top of a support."""
+
+    anchor: Anchor
+    support: Anchor
+    height_m: float
+    expected_objects: float = Field(description="how many objects nobody has met yet are expected in it, unseen")
+
+
 class Prior(Message):
     """The initial belief and everything the estimator is told; with the rules it determines the robot's mind."""
 
@@ -147,7 +156,9 @@ class Prior(Message):
     base_sd_theta_rad: float
     robot: RobotState
     objects: tuple[PriorObject, ...]
+    regions: tuple[PriorRegion, ...] = ()
     types: dict[str, ObjectType]
+    type: dict[str, Probability] = Field(default={}, description="of an arbitrary object; empty: each graspable type alike")
     colour: HsvBelief = Field(description="of an arbitrary object")
     log_weight: tuple[float, float] = Field(description="mean, variance of ln(kg) of an arbitrary object")
     noise: NoiseModel = Field(description="what the robot believes of its sensors, right or wrong")
@@ -318,6 +329,18 @@ class ObjectBelief(Message):
     weighed: bool = Field(default=False, description="false: still the prior")
 
 
+class RegionBelief(Message):
+    """What is known of the contents of a region."""
+
+    support: Anchor
+    height_m: float
+    seen: Probability = Field(description="BContents: the part seen, known objects taken out")
+    hidden: Probability = Field(description="share of the positions where an object could still be hidden")
+    unseen_mm: tuple[tuple[int, int, int], ...] = Field(
+        default=(), description="some points of the unseen part, frame of the support, millimetres"
+    )
+
+
 class Belief(Message):
     """A snapshot of the whole belief: all that the reasoner, the geometry and the viewer may know."""
 
@@ -330,6 +353,7 @@ class Belief(Message):
     robot: RobotState
     anchors: tuple[str, ...] = Field(description="in order of introduction")
     objects: dict[str, ObjectBelief]
+    regions: dict[str, RegionBelief] = {}
     keys: tuple[str, ...] = Field(description="row order of joint_covariance, three rows (x, y, theta) each")
     joint_covariance: tuple[float, ...] = Field(description="upper triangle, tangent space (body frame) of each key")
 
@@ -400,7 +424,8 @@ class Geometry(Message):
     step: Step
     query: str
     belief_version: int
-    answer: Command | None
+    answer: Command | None = None
+    blockers: tuple[Anchor, ...] | None = Field(default=None, description="of a question what stands in the way")
 
 
 class Chain(Message):
@@ -421,6 +446,8 @@ class RunEnd(Message):
     reason: str
     goal_probability: Probability = Field(description="of the best candidate")
     anchor: Anchor | None = Field(default=None, description="the object that denotes, or the best candidate")
+    conjuncts: dict[str, Probability] = Field(default={}, description="of that object: P of each fluent and property")
+    regions: dict[str, Probability] = Field(default={}, description="how much of each region has been seen")
 
 
 # ---------------------------------------------------------------- truth
