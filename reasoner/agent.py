@@ -3,22 +3,17 @@
 Everything it does with a belief is written down in the `Turn` it returns: plans, searches, the action or the end.
 """
 
-import itertools
-import math
 from dataclasses import dataclass, field
 
 from skolem.reasoner.denotation import Denotations
 from skolem.reasoner.expressions import Goal
-from skolem.reasoner.hierarchy import Binding, Change, PlanStack
+from skolem.reasoner.goals import PosedGoal, read_mutexes
+from skolem.reasoner.hierarchy import Change, PlanStack
 from skolem.reasoner.instances import title
-from skolem.reasoner.offers import RuleOffers
-from skolem.reasoner.patterns import Mutexes
-from skolem.reasoner.protocols import Activity, BeliefQueries, Geometry
-from skolem.reasoner.queries import Queries
+from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.situation import Situation
-from skolem.reasoner.terms import Compound, Term, compound, nll, substitute
+from skolem.reasoner.terms import Compound, Term, nll
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Action, Command, Decision, Limits, Plan, PlanCause, RunEnd, RunStatus
 
@@ -53,19 +48,19 @@ class Agent:
         self._geometry = geometry
         self._limits = limits
         self._stack = PlanStack()
-        self._variables = tuple(compound("var", name) for name in goal.variables)
         self._denotations = Denotations(goal.expressions, rulebook)
-        self._mutexes: Mutexes | None = None
+        self._mutexes = read_mutexes(rulebook)
         self._refused: set[tuple[Term, int]] = set()
-        self._version = -1
-        self._renew()
+        self._version = belief.version
+        self._posed = self._pose()
 
     def decide(self, step: int) -> Turn:
         """Return the next action, or the end of the run, for the belief as it is now."""
         if self._belief.version != self._version:
-            self._renew()
+            self._version, self._posed = self._belief.version, self._pose()
+            self._refused.clear()
         turn = Turn()
-        if self._achieved() is not None:
+        if self._posed.achieved() is not None:
             self._finish(turn, step, "goal_achieved", "every conjunct of the goal is believed")
         elif step >= self._limits.steps:
             self._finish(turn, step, "limit_reached", f"{step} actions were executed (limits.steps)")
@@ -73,59 +68,9 @@ class Agent:
             self._advance(turn, step)
         return turn
 
-    # ------------------------------------------------------------ one belief
-
-    def _renew(self) -> None:
-        self._version = self._belief.version
-        self._refused.clear()
-        self._situation = Situation(
-            self._belief,
-            self._geometry,
-            lambda expression, anchor: self._denotations.probability(expression, anchor, self._belief),
-            lambda expression, region: self._denotations.probability_of_new(expression, region, self._belief),
-            self._rulebook.vocabulary.meanings,
-        )
-        queries = Queries(self._situation, self._denotations.alternatives)
-        if self._mutexes is None:
-            answer = self._rulebook.solve([], queries)
-            self._mutexes = Mutexes((f, g) for f, g in answer.atoms.get("mutex", []))
-        self._offers = RuleOffers(self._rulebook, self._situation, queries, self._mutexes)
-        self._roots: tuple[Subgoal, ...] | None = None
-
-    def _instantiations(self) -> tuple[Subgoal, ...]:
-        """Return the goal once per choice of what its variables stand for, as the rules offer them."""
-        if self._roots is None:
-            facts = [compound("posed", f) for f in self._goal.fluents] + [compound("open", v) for v in self._variables]
-            offered = self._offers.ask(facts).get("instance", []) if self._variables else []
-            places = {anchor: i for i, anchor in enumerate(self._situation.anchors())}
-            choices = [
-                sorted((t for v, t in offered if v == variable), key=lambda t: places.get(str(t), len(places)))
-                for variable in self._variables
-            ]
-            self._roots = tuple(
-                frozenset(substitute(f, dict(zip(self._variables, chosen, strict=True))) for f in self._goal.fluents)
-                for chosen in itertools.product(*choices)
-            )
-        return self._roots
-
-    def _holds_all(self, fluents: Subgoal) -> bool:
-        """Test a conjunction, geometry last: it is the dearest to ask."""
-        ordered = sorted(fluents, key=lambda f: (isinstance(f, Compound) and f.name == "at", str(f)))
-        return all(map(self._situation.holds, ordered))
-
-    def _satisfied(self, fluents: Subgoal) -> Binding | None:
-        """Return under which binding of Skolem constants a conjunction holds; one anchor must satisfy all of it."""
-        constants = sorted({s for f in fluents for s in _skolems(f)}, key=str)
-        if not constants:
-            return {} if self._holds_all(fluents) else None
-        for anchors in itertools.permutations(self._situation.anchors(), len(constants)):
-            binding: dict[Term, Term] = dict(zip(constants, anchors, strict=True))
-            if self._holds_all(frozenset(substitute(f, binding) for f in fluents)):
-                return binding
-        return None
-
-    def _achieved(self) -> Subgoal | None:
-        return next((root for root in self._instantiations() if self._holds_all(root)), None)
+    def _pose(self) -> PosedGoal:
+        parts = (self._goal, self._rulebook, self._denotations, self._belief, self._geometry, self._mutexes)
+        return PosedGoal(*parts)
 
     # ------------------------------------------------------------ planning
 
@@ -135,7 +80,7 @@ class Agent:
             self._drop_what_no_longer_applies(turn, step)
             current = self._stack.current()
             if current is None:
-                self._plan(turn, step, self._instantiations(), "start")
+                self._plan(turn, step, self._posed.instantiations, "start")
                 if not len(self._stack):
                     self._give_up(turn, step)
             elif current.is_concrete:
@@ -153,25 +98,25 @@ class Agent:
 
     def _drop_what_no_longer_applies(self, turn: Turn, step: int) -> None:
         def false_in(fluents: Subgoal) -> list[Term]:
-            return [f for f in fluents if not self._situation.holds(f)]
+            return [f for f in fluents if not self._posed.situation.holds(f)]
 
-        while changes := self._stack.select(self._satisfied, false_in):
+        while changes := self._stack.select(self._posed.satisfied, false_in):
             turn.plans.extend(self._stack.message(step, change) for change in changes)
 
     def _plan(
         self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: PlanCause, final: Term | None = None
     ) -> None:
-        calls, atoms = self._offers.calls, self._offers.ground_atoms
+        calls, atoms = self._posed.offers.calls, self._posed.offers.ground_atoms
         found = regress(
             roots,
-            self._offers,
+            self._posed.offers,
             self._stack.level_of,
             lambda instance, level: (instance.called, level) in self._refused,
             self._limits.expansions,
             nll(self._limits.min_plan_probability),
             final,
         )
-        calls, atoms = self._offers.calls - calls, self._offers.ground_atoms - atoms
+        calls, atoms = self._posed.offers.calls - calls, self._posed.offers.ground_atoms - atoms
         turn.decisions.append(self._decision(step, roots, found, calls, atoms))
         if found.steps:
             self._stack.push(found.steps)
@@ -210,13 +155,10 @@ class Agent:
 
     def _command(self, executes: Term) -> Command | None:
         if isinstance(executes, Compound) and executes.name == "move":
-            activity = self._activity(executes.args[0])
+            activity = self._posed.situation.activity(executes.args[0])
             return None if activity is None else self._geometry.approach(activity)
-        activity = self._activity(executes)
+        activity = self._posed.situation.activity(executes)
         return None if activity is None else self._geometry.ready(activity)
-
-    def _activity(self, term: Term) -> Activity | None:
-        return self._situation.activity(term)
 
     # ------------------------------------------------------------ ends
 
@@ -232,7 +174,7 @@ class Agent:
         self._finish(turn, step, "goal_unachievable", reason)
 
     def _finish(self, turn: Turn, step: int, status: RunStatus, reason: str) -> None:
-        probability, anchor = self._best_candidate()
+        closest = self._posed.closest()
         done = status == "goal_achieved"
         self._stack.clear()
         turn.plans.append(self._stack.message(step, Change("done" if done else "giveup")))
@@ -240,51 +182,11 @@ class Agent:
             status=status,
             steps=step,
             reason=reason,
-            goal_probability=probability,
-            anchor=anchor,
-            conjuncts={} if anchor is None else self._conjuncts(anchor),
+            goal_probability=closest.probability,
+            anchor=closest.anchor,
+            conjuncts=closest.conjuncts,
             regions={region: self._belief.prob_contents(region) for region in self._belief.regions()},
         )
-
-    def _conjuncts(self, anchor: str) -> dict[str, float]:
-        """Return the probability of every property the goal's descriptions turn on, for one anchor."""
-        found: dict[str, float] = {}
-        for expression in self._goal.expressions:
-            found |= self._denotations.conjuncts(expression, anchor, self._belief)
-        return found
-
-    def _best_candidate(self) -> tuple[float, str | None]:
-        """Return the instantiation that is closest to the goal: (product of its probabilities, what it is about)."""
-        best, about = -1.0, None
-        for root in self._instantiations():
-            if any(_skolems(f) for f in root):
-                continue
-            p = math.prod(self._situation.probability(phi) for phi in _believed(root))
-            if p > best:
-                best, about = p, _subject(root, self._situation.anchors())
-        return max(best, 0.0), about
-
-
-def _believed(fluents: Subgoal) -> list[Term]:
-    """Return what each b(phi, p) of a conjunction is about."""
-    return [f.args[0] for f in sorted(fluents, key=str) if isinstance(f, Compound) and f.name == "b"]
-
-
-def _skolems(term: Term) -> set[Term]:
-    if not isinstance(term, Compound):
-        return set()
-    return {term} if term.name == "sk" else {s for a in term.args for s in _skolems(a)}
-
-
-def _subject(root: Subgoal, anchors: tuple[str, ...]) -> str | None:
-    """Return the object a description of the goal is about, or the first anchor it names."""
-    for fluent in sorted(root, key=str):
-        match fluent:
-            case Compound("b", (Compound(_, args), _)):
-                named = [a for a in args if a in anchors]
-                if named:
-                    return str(named[0])
-    return None
 
 
 def _objects(command: Term | None) -> tuple[str, ...]:

@@ -24,13 +24,13 @@ class Situation:
     def __init__(
         self,
         belief: BeliefQueries,
-        geometry: Geometry,
+        geometry: Geometry | None,
         denotation: Denotation,
         stranger: Stranger,
         meanings: Mapping[str, Meaning],
     ) -> None:
         self.belief = belief
-        self.geometry = geometry
+        self._geometry = geometry
         self.meanings = meanings
         self._denotation = denotation
         self._stranger = stranger
@@ -53,6 +53,17 @@ class Situation:
         if phi not in self._probability:
             self._probability[phi] = self._probability_of(phi)
         return self._probability[phi]
+
+    @property
+    def geometry(self) -> Geometry:
+        """What answers geometric questions.
+
+        Raises:
+            InternalError: If there is none: a goal was only to be evaluated.
+        """
+        if self._geometry is None:
+            raise InternalError("a geometric fluent was asked for where there is no geometry")
+        return self._geometry
 
     def anchors(self) -> tuple[str, ...]:
         """Return the universe: every anchor believed to exist, in order of introduction."""

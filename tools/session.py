@@ -19,6 +19,7 @@ from skolem.reasoner.protocols import Activity, Geometry
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.scenario import Document, Scenario, check, load_document, moves_before, prior, true_bodies
+from skolem.tools.source import SOURCE_SHA256
 from skolem.tools.stopwatch import Stopwatch
 from skolem.tools.verdict import verdict
 from skolem.traces import messages
@@ -148,7 +149,21 @@ def prepare(
     Raises:
         InputError: With every fault found.
     """
-    document = load_document(path, overrides)
+    return compose(load_document(path, overrides), seed, world, images, profile)
+
+
+def compose(
+    document: Document,
+    seed: int | None = None,
+    world: WorldKind = "pybullet",
+    images: bool = False,
+    profile: bool = False,
+) -> Setup:
+    """Read a scenario's rules and check it.
+
+    Raises:
+        InputError: With every fault found.
+    """
     rulebook = Rulebook.load(Queries, [rules for rules in document.rules if rules.is_file()])
     words = rulebook.vocabulary.words()
     scenario = check(document, rulebook.vocabulary.types, lambda goal, names: goal_faults(goal, words, names))
@@ -165,7 +180,8 @@ def run(setup: Setup, path: Path, watcher: Watcher, watch: Stopwatch, outcome: O
     attachments = {"scenario.yaml": setup.document.effective_text().encode()}
     attachments |= {f"rules/{name}": content for name, content in setup.rulebook.files.items()}
     metadata = {"scenario": setup.scenario.name, "seed": str(setup.seed), "world": setup.world}
-    writer = TraceWriter(path, attachments=attachments, run=metadata, env=environment(), profile=setup.profile)
+    env = environment() | {"source": SOURCE_SHA256}
+    writer = TraceWriter(path, attachments=attachments, run=metadata, env=env, profile=setup.profile)
     try:
         with writer:
             try:
@@ -174,6 +190,20 @@ def run(setup: Setup, path: Path, watcher: Watcher, watch: Stopwatch, outcome: O
                 outcome.seconds, outcome.total_s = watch.seconds(), watch.total()
     finally:
         outcome.content_hash = writer.content_hash
+
+
+def run_start(setup: Setup) -> messages.RunStart:
+    """Return what a run is made of, as its trace begins."""
+    return messages.RunStart(
+        scenario=setup.scenario.name,
+        scenario_sha256=hashlib.sha256(setup.document.effective_text().encode()).hexdigest(),
+        rules_sha256=setup.rulebook.sha256,
+        robot_sha256=_robot_sha256(setup.world),
+        world=setup.world,
+        seed=setup.seed,
+        goal=setup.scenario.goal,
+        limits=setup.scenario.limits,
+    )
 
 
 class _Run:
@@ -186,7 +216,7 @@ class _Run:
 
     def to_the_end(self) -> None:
         """Start, loop, judge."""
-        self._write("/run/start", self._start())
+        self._write("/run/start", run_start(self._setup))
         with self._watch.part(LOADING):
             world = self._world()
         try:
@@ -251,16 +281,15 @@ class _Run:
     def _judge(self, world: World, step: int, end: RunEnd) -> None:
         """Compare what the robot believes with the truth, and record both."""
         setup = self._setup
-        self._outcome.verdict = verdict(
-            setup.goal, setup.rulebook, world.state(step), setup.types, setup.scenario.limits
-        )
+        self._outcome.verdict = verdict(setup.goal, setup.rulebook, world.state(step), setup.types)
         self._write("/truth/verdict", self._outcome.verdict)
         self._close_step(step)
         self._write("/run/end", end)
         self._outcome.end = end
 
     def _close_step(self, step: int) -> None:
-        milliseconds = {part: round(1e3 * seconds, 3) for part, seconds in self._watch.seconds().items()}
+        spent = self._watch.seconds() | {"total": self._watch.total()}
+        milliseconds = {part: round(1e3 * seconds, 3) for part, seconds in spent.items()}
         self._write("/perf", messages.Perf(step=step, milliseconds=milliseconds))
         with self._watch.part(RECORDING):
             self._writer.close_step(step, self._tick())
@@ -268,19 +297,6 @@ class _Run:
     def _write(self, topic: str, message: messages.Message | Protobuf) -> None:
         with self._watch.part(RECORDING):
             self._writer.write(topic, message, self._tick())
-
-    def _start(self) -> messages.RunStart:
-        setup = self._setup
-        return messages.RunStart(
-            scenario=setup.scenario.name,
-            scenario_sha256=hashlib.sha256(setup.document.effective_text().encode()).hexdigest(),
-            rules_sha256=setup.rulebook.sha256,
-            robot_sha256=_robot_sha256(setup.world),
-            world=setup.world,
-            seed=setup.seed,
-            goal=setup.scenario.goal,
-            limits=setup.scenario.limits,
-        )
 
     def _world(self) -> World:
         """Build the true world; only here is it decided which."""

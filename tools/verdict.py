@@ -10,20 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.reasoner.agent import Agent
 from skolem.reasoner.expressions import Goal
-from skolem.reasoner.protocols import Activity
+from skolem.reasoner.goals import achieved_by
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.footprints import footprint, overhang
 from skolem.sim.poses import compose4, flat, inverse4, raised
 from skolem.traces.messages import (
-    Belief,
-    Command,
     Hand,
     HsvVolume,
-    Limits,
     Meaning,
-    MoveBase,
     ObjectType,
     Quantity,
     TrueObject,
@@ -134,37 +129,10 @@ class Exact:
     probability: float
 
 
-class _NoGeometry:
-    """What can be done is not asked of a goal that is only evaluated. Satisfies `reasoner.protocols.Geometry`."""
-
-    def sync(self, belief: Belief) -> None:
-        """Take no notice."""
-
-    def ready(self, activity: Activity) -> Command | None:
-        """Offer nothing."""
-        return None
-
-    def approach(self, activity: Activity) -> MoveBase | None:
-        """Offer nothing."""
-        return None
-
-    def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Name nothing."""
-        return ()
-
-
-def verdict(
-    goal: Goal, rulebook: Rulebook, state: TrueState, types: Mapping[str, ObjectType], limits: Limits
-) -> Verdict:
-    """Return whether the goal holds of the true state, and of which object.
-
-    An agent that has used up its actions plans nothing: it only says whether its goal is achieved.
-    """
-    agent = Agent(goal, rulebook, Truth(state, types), _NoGeometry(), limits)
-    end = agent.decide(limits.steps).end
-    assert end is not None, "without actions left, a decision is an end"
-    achieved = end.status == "goal_achieved"
-    return Verdict(true=achieved, witness=end.anchor if achieved else None)
+def verdict(goal: Goal, rulebook: Rulebook, state: TrueState, types: Mapping[str, ObjectType]) -> Verdict:
+    """Return whether the goal holds of the true state, and of which object."""
+    witness = achieved_by(goal, rulebook, Truth(state, types))
+    return Verdict(true=witness is not None, witness=witness or None)
 
 
 def _has(item: TrueObject, meaning: Meaning) -> bool:

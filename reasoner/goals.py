@@ -1,0 +1,158 @@
+"""A goal in one belief: what its variables may stand for, whether it is achieved, and what comes closest to it."""
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from skolem.reasoner.denotation import Denotations
+from skolem.reasoner.expressions import Goal
+from skolem.reasoner.offers import RuleOffers
+from skolem.reasoner.patterns import Mutexes, mentions
+from skolem.reasoner.protocols import BeliefQueries, Geometry
+from skolem.reasoner.queries import Queries
+from skolem.reasoner.regression import Subgoal
+from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.situation import Situation
+from skolem.reasoner.terms import Compound, Term, compound, substitute
+
+Binding = Mapping[Term, Term]
+
+
+@dataclass(frozen=True, slots=True)
+class Closest:
+    """The instantiation of a goal that comes closest to it.
+
+    Attributes:
+        probability: Product of the probabilities of its fluents.
+        anchor: The object a description of the goal is about; None if the goal names none.
+        conjuncts: Of that object, P of every property the descriptions turn on.
+    """
+
+    probability: float = 0.0
+    anchor: str | None = None
+    conjuncts: dict[str, float] = field(default_factory=dict)
+
+
+class PosedGoal:
+    """A goal, posed of one version of the belief.
+
+    Attributes:
+        situation: Which fluents hold.
+        offers: What the rules offer.
+    """
+
+    def __init__(
+        self,
+        goal: Goal,
+        rulebook: Rulebook,
+        denotations: Denotations,
+        belief: BeliefQueries,
+        geometry: Geometry | None,
+        mutexes: Mutexes,
+    ) -> None:
+        self._goal = goal
+        self._belief = belief
+        self._denotations = denotations
+        self.situation = Situation(
+            belief,
+            geometry,
+            lambda expression, anchor: denotations.probability(expression, anchor, belief),
+            lambda expression, region: denotations.probability_of_new(expression, region, belief),
+            rulebook.vocabulary.meanings,
+        )
+        queries = Queries(self.situation, denotations.alternatives)
+        self.offers = RuleOffers(rulebook, self.situation, queries, mutexes)
+        self.instantiations = self._instantiate()
+
+    def achieved(self) -> Subgoal | None:
+        """Return the first instantiation all of whose fluents hold."""
+        return next((root for root in self.instantiations if self.holds_all(root)), None)
+
+    def holds_all(self, fluents: Subgoal) -> bool:
+        """Test a conjunction, what geometry has to be asked about last: it is the dearest."""
+        return all(map(self.situation.holds, sorted(fluents, key=lambda f: (_is_geometric(f), str(f)))))
+
+    def satisfied(self, fluents: Subgoal) -> Binding | None:
+        """Return under which binding of Skolem constants a conjunction holds; one anchor must satisfy all of it."""
+        constants = sorted({s for f in fluents for s in _skolems(f)}, key=str)
+        if not constants:
+            return {} if self.holds_all(fluents) else None
+        for anchors in itertools.permutations(self.situation.anchors(), len(constants)):
+            binding: dict[Term, Term] = dict(zip(constants, anchors, strict=True))
+            if self.holds_all(frozenset(substitute(f, binding) for f in fluents)):
+                return binding
+        return None
+
+    def closest(self) -> Closest:
+        """Return the instantiation without Skolem constants that is most probable now."""
+        known = [root for root in self.instantiations if not any(mentions(f, "sk") for f in root)]
+        if not known:
+            return Closest()
+        best = max(known, key=self._probability)
+        anchor = _subject(best, self.situation.anchors())
+        return Closest(self._probability(best), anchor, {} if anchor is None else self._conjuncts(anchor))
+
+    def _probability(self, root: Subgoal) -> float:
+        believed = [f.args[0] for f in sorted(root, key=str) if isinstance(f, Compound) and f.name == "b"]
+        return math.prod(map(self.situation.probability, believed))
+
+    def _conjuncts(self, anchor: str) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for expression in self._goal.expressions:
+            found |= self._denotations.conjuncts(expression, anchor, self._belief)
+        return found
+
+    def _instantiate(self) -> tuple[Subgoal, ...]:
+        """Return the goal once per choice of what its variables stand for, as the rules offer them.
+
+        Anchors come in order of introduction, Skolem constants last; with equal costs the earlier choice is taken.
+        """
+        variables = [compound("var", name) for name in self._goal.variables]
+        facts = [compound("posed", f) for f in self._goal.fluents] + [compound("open", v) for v in variables]
+        offered = self.offers.ask(facts).get("instance", []) if variables else []
+        places: dict[Term, int] = {anchor: i for i, anchor in enumerate(self.situation.anchors())}
+        choices = [
+            sorted((t for v, t in offered if v == variable), key=lambda t: places.get(t, len(places)))
+            for variable in variables
+        ]
+        return tuple(
+            frozenset(substitute(f, dict(zip(variables, chosen, strict=True))) for f in self._goal.fluents)
+            for chosen in itertools.product(*choices)
+        )
+
+
+def read_mutexes(rulebook: Rulebook) -> Mutexes:
+    """Return the exclusions that the rules state."""
+    return Mutexes((f, g) for f, g in rulebook.solve([], None, ["mutex"]).atoms.get("mutex", []))
+
+
+def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | None:
+    """Return the object that makes the goal hold in a belief, "" if the goal names none; None if it does not hold.
+
+    No geometry is needed: a goal speaks of the world, not of what can be done.
+    """
+    posed = PosedGoal(goal, rulebook, Denotations(goal.expressions, rulebook), belief, None, Mutexes([]))
+    root = posed.achieved()
+    return None if root is None else _subject(root, belief.anchors()) or ""
+
+
+def _is_geometric(fluent: Term) -> bool:
+    return isinstance(fluent, Compound) and fluent.name in ("at", "clear", "aside")
+
+
+def _skolems(term: Term) -> set[Term]:
+    if not isinstance(term, Compound):
+        return set()
+    return {term} if term.name == "sk" else {s for a in term.args for s in _skolems(a)}
+
+
+def _subject(root: Subgoal, anchors: tuple[str, ...]) -> str | None:
+    """Return the object a description of the goal is about, or the first anchor it names."""
+    for fluent in sorted(root, key=str):
+        match fluent:
+            case Compound("b", (Compound(_, args), _)):
+                named = [a for a in args if a in anchors]
+                if named:
+                    return str(named[0])
+    return None

@@ -1,0 +1,80 @@
+"""The goal read against the truth: by the robot's own denotation, with probabilities 0 and 1."""
+
+import pytest
+
+from skolem.reasoner.parser import parse_goal
+from skolem.reasoner.protocols import BeliefQueries
+from skolem.reasoner.queries import Queries
+from skolem.reasoner.rulebook import Rulebook
+from skolem.tools.verdict import Truth, verdict
+from skolem.traces.messages import HsvVolume, TrueObject, TrueState, TypeIs, Verdict, WeightInterval
+
+TABLE = TrueObject(id="table1", type="table", world_T_object=(1.3, 0.0, 0.0, 0.0), hsv=(0.1, 0.5, 0.6), kg=30.0)
+GREEN = TrueObject(
+    id="sodaC", type="soda", world_T_object=(1.1, 0.2, 0.68, 0.0), hsv=(0.33, 0.9, 0.8), kg=0.35, on="table1"
+)
+RED = GREEN.model_copy(update={"id": "sodaE", "hsv": (0.99, 0.9, 0.8), "world_T_object": (1.1, -0.2, 0.68, 0.0)})
+GOAL = "exists o. B(Den(lambda x. Green(x), o), 0.9) & B(In(o, table1), 0.9)"
+
+
+@pytest.fixture(scope="module")
+def rulebook() -> Rulebook:
+    return Rulebook.load(Queries)
+
+
+def state(*objects: TrueObject) -> TrueState:
+    return TrueState(step=3, world_T_base=(0.0, 0.0, 0.0), objects=(TABLE, *objects), sha256="")
+
+
+def judged(rulebook: Rulebook, goal: str, *objects: TrueObject) -> Verdict:
+    vocabulary = rulebook.vocabulary
+    return verdict(parse_goal(goal, vocabulary.words()), rulebook, state(*objects), vocabulary.types)
+
+
+def test_a_green_object_on_the_table_makes_the_goal_true_and_is_named(rulebook: Rulebook) -> None:
+    assert judged(rulebook, GOAL, RED, GREEN) == Verdict(true=True, witness="sodaC")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"on": None, "in_hand": "right"},
+        {"on": "table2"},
+        {"hsv": (0.6, 0.9, 0.8)},
+        {"world_T_object": (1.1, 0.59, 0.68, 0.0)},  # half over the edge
+    ],
+    ids=["in hand", "elsewhere", "blue", "over the edge"],
+)
+def test_what_is_held_elsewhere_otherwise_coloured_or_overhanging_does_not(
+    rulebook: Rulebook, change: dict[str, object]
+) -> None:
+    assert judged(rulebook, GOAL, RED, GREEN.model_copy(update=change)) == Verdict(true=False)
+
+
+def test_one_object_must_satisfy_all_of_the_goal(rulebook: Rulebook) -> None:
+    away = GREEN.model_copy(update={"on": None, "world_T_object": (0.0, 3.0, 0.0, 0.0)})
+    assert not judged(rulebook, GOAL, RED, away).true
+
+
+def test_descriptions_with_a_nested_exists_are_evaluated_too(rulebook: Rulebook) -> None:
+    goal = "exists o. B(Den(lambda x. Soda(x) & exists y. (On(x, y) & Table(y)), o), 0.9)"
+    assert judged(rulebook, goal, GREEN) == Verdict(true=True, witness="sodaC")
+
+
+def test_truth_answers_every_query_with_certainty() -> None:
+    types = Rulebook.load(Queries).vocabulary.types
+    truth: BeliefQueries = Truth(state(RED, GREEN.model_copy(update={"on": None, "in_hand": "left"})), types)
+    assert truth.anchors() == ("table1", "sodaE", "sodaC")
+    assert (truth.prob_exists("sodaE"), truth.prob_exists("ghost")) == (1.0, 0.0)
+    assert (truth.held("left"), truth.held("right")) == ("sodaC", None)
+    assert (truth.graspable("sodaE"), truth.graspable("table1")) == (True, False)
+    assert truth.prob_property("sodaE", TypeIs(type="soda")) == 1.0
+    red = HsvVolume(hue=(0.95, 0.05), saturation=(0.4, 1.0), value=(0.2, 1.0))  # wraps
+    assert (truth.prob_property("sodaE", red), truth.prob_property("sodaC", red)) == (1.0, 0.0)
+    assert truth.prob_property("sodaE", WeightInterval(at_least_kg=0.35)) == 1.0
+    assert truth.prob_property("sodaE", WeightInterval(at_least_kg=0.1, below_kg=0.35)) == 0.0
+    assert truth.prob_on("sodaE", "table1") == 1.0
+    assert truth.gaussian("pose", "sodaE").mean == pytest.approx((1.1, -0.2, 0.0))
+    for quantity in ("pose", "colour", "weight"):
+        assert not truth.gaussian(quantity, "sodaE").covariance.any()
+        assert not truth.observation_covariance(quantity, "sodaE").any()
