@@ -82,6 +82,10 @@ class BelievedWorld:
         self._base_indices = [self.robot.joint[name] for name in BASE]
         self._tool_link = {hand: self.robot.link[f"{hand[0]}_gripper_tool_frame"] for hand in HANDS}
 
+    def close(self) -> None:
+        """Close the physics client."""
+        bodies.disconnect(self.client)
+
     def update(self, belief: Belief) -> None:
         """Take over a belief; bodies are made for what is new and parked for what is gone."""
         self._belief = belief

@@ -17,8 +17,10 @@ from skolem.traces.messages import DepthView
 
 FOVY_RAD = math.radians(45.6)
 COLUMNS, ROWS = 320, 240
-VIEW_STRIDE = 8
+VIEW_STRIDE = 4  # 80 x 60: at 1.2 m a pixel is 1.7 cm wide, half a voxel of the regions that are searched
 BORDER_PX = 3
+ABOVE_PX = 4  # edges of what is nearer may have lost a pixel or two
+NEARER_M = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,17 +44,25 @@ class Cloud:
         points_base: Shape (n, 3), metres, base frame.
         rgb: Shape (n, 3), each 0..1.
         at_border: Shape (n,), whether the pixel lies at the border of the image.
+        under_nearer: Shape (n,), whether something nearer is seen just above the pixel: what it shows may go on there.
         camera_base: Shape (3,), where the robot believes its camera to be, metres, base frame.
     """
 
     points_base: NDArray[np.float64]
     rgb: NDArray[np.float64]
     at_border: NDArray[np.bool_]
+    under_nearer: NDArray[np.bool_]
     camera_base: NDArray[np.float64]
 
     def only(self, chosen: NDArray[np.bool_]) -> "Cloud":
         """Return the points of a mask of shape (n,)."""
-        return Cloud(self.points_base[chosen], self.rgb[chosen], self.at_border[chosen], self.camera_base)
+        return Cloud(
+            self.points_base[chosen],
+            self.rgb[chosen],
+            self.at_border[chosen],
+            self.under_nearer[chosen],
+            self.camera_base,
+        )
 
 
 def focal_px(rows: int) -> float:
@@ -82,8 +92,17 @@ def cloud_from_depth(
     points_base = camera @ base_T_camera.axes.T + base_T_camera.origin
     border = np.ones((rows, columns), dtype=bool)
     border[BORDER_PX:-BORDER_PX, BORDER_PX:-BORDER_PX] = False
-    cloud = Cloud(points_base, rgb.reshape(-1, 3), border.ravel(), base_T_camera.origin)
+    under = _under_nearer(depth).ravel()
+    cloud = Cloud(points_base, rgb.reshape(-1, 3), border.ravel(), under, base_T_camera.origin)
     return cloud.only(np.isfinite(depth).ravel())
+
+
+def _under_nearer(depth: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which readings have a clearly nearer one among the few pixels above them, shape (rows, columns)."""
+    nearest = np.full(depth.shape, np.inf)
+    for up in range(1, ABOVE_PX + 1):
+        nearest[up:] = np.fmin(nearest[up:], depth[:-up])
+    return np.asarray(nearest < depth - NEARER_M)
 
 
 def without_own_body(cloud: Cloud, segments_base: NDArray[np.float64], radius_m: float) -> Cloud:
@@ -103,8 +122,13 @@ def without_own_body(cloud: Cloud, segments_base: NDArray[np.float64], radius_m:
     return cloud.only(keep)
 
 
+def misplaced(base_T_camera: Frame, error: Extrinsics) -> Frame:
+    """Return the frame in which a camera with that calibration error believes its points to lie as it sees them."""
+    return Frame(base_T_camera.origin + base_T_camera.axes @ error.shift, base_T_camera.axes @ error.turn)
+
+
 def depth_view(depth: NDArray[np.float64], base_T_camera: Frame) -> DepthView:
-    """Return every eighth reading of a depth image: exactly those on the rays that `DepthView` defines.
+    """Return every fourth reading of a depth image: exactly those on the rays that `DepthView` defines.
 
     Samples, not minima or means of blocks: a reading belongs to its ray, whatever lies between the rays.
     """

@@ -1,7 +1,8 @@
 """Typed detections from a coloured point cloud: supports, clusters above them, a fit of every graspable type.
 
-It sees the cloud and the type table, nothing else. Not reported: what the border of the image cuts, what stands on no
-support in view, and what no type explains (a limb of furniture, things that touch each other).
+It sees the cloud and the type table, nothing else. Not reported: what the border of the image cuts, what has its top
+hidden behind something nearer, what stands on no support in view, and what no type explains. Things that touch each
+other are told apart where their cluster has a waist.
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ HEADROOM_M = 0.05  # a cluster that reaches this far above the tallest type is n
 EDGE_M = 0.03  # things may stick out over the visible part of their support
 VOXEL_M = 0.012  # things closer than one to two of these are one cluster
 MIN_POINTS = 30
+TOP_BAND_M, MAX_HIDDEN = 0.02, 0.3  # a top of which more lies behind something nearer may not be the top
 MAX_SPLITS = 2  # a cluster that no type explains is cut at its waist, and so may be its halves: up to four things
 WAIST_BINS = 9  # over the middle half of a cluster
 MAX_OUTSIDE = 0.1  # share of a cluster's points outside the best type's outline
@@ -114,9 +116,12 @@ def _clusters(
 
 
 def _is_whole(cluster: Cloud, support: Support, tallest_m: float) -> bool:
-    """Return whether a cluster is large enough, wholly in the image, and ends below the tallest type's top."""
-    top = float(support.height(cluster.points_base).max())
-    return len(cluster.points_base) >= MIN_POINTS and not cluster.at_border.any() and top < tallest_m + HEADROOM_M
+    """Return whether a cluster is large enough, wholly in the image, not too tall, and shows its top."""
+    if len(cluster.points_base) < MIN_POINTS or cluster.at_border.any():
+        return False
+    height = support.height(cluster.points_base)
+    hidden = cluster.under_nearer[height > height.max() - TOP_BAND_M].mean()
+    return bool(height.max() < tallest_m + HEADROOM_M and hidden < MAX_HIDDEN)
 
 
 def _connected(cloud: Cloud) -> list[Cloud]:
@@ -134,7 +139,7 @@ def _connected(cloud: Cloud) -> list[Cloud]:
 def _explained(
     cluster: Cloud, support: Support, sought: dict[str, ObjectType], noise: NoiseModel, splits: int = MAX_SPLITS
 ) -> list[Detection]:
-    """Return the detections of a cluster: one if a type explains it, else those of its halves, if types explain both."""
+    """Return the detections of a cluster: one if a type explains it, else those of its halves if types do."""
     whole = _detection(cluster, support, sought, noise)
     if whole is not None or splits == 0:
         return [] if whole is None else [whole]

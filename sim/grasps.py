@@ -89,6 +89,8 @@ def spots(table: ObjectType, thing: ObjectType, others: Floats) -> tuple[Floats,
     """
     half, radius = np.array(table.size_m[:2]) / 2.0, widest_half(thing)
     margin = max(EDGE_M, radius)
+    if half.min() < margin:
+        return np.empty((0, 2)), np.empty(0)
     axes = [np.linspace(-1.0, 1.0, 2 * math.floor((h - margin) / GRID_M) + 1) * (h - margin) for h in half]
     places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
     room = (half - np.abs(places)).min(axis=1)

@@ -18,7 +18,6 @@ from ompl import util as ou
 
 Floats = NDArray[np.float64]
 
-RANGE = 0.6  # longest edge the trees grow, in rad or m
 SHORTCUT_STEPS, SHORTCUT_EMPTY_STEPS = 60, 30
 
 
@@ -32,6 +31,7 @@ class Problem:
         wraps: Which coordinates are angles without limits, shape (n,); their bounds are ignored.
         valid: Whether a configuration, shape (n,), is free of collision.
         resolution: Largest step between two configurations checked on an edge.
+        stride: Longest edge that the trees grow, in rad or m.
         budget: Validity checks after which the planner gives up.
     """
 
@@ -40,6 +40,7 @@ class Problem:
     wraps: tuple[bool, ...]
     valid: Callable[[Floats], bool]
     resolution: float = 0.05
+    stride: float = 0.6
     budget: int = 6000
 
 
@@ -97,13 +98,13 @@ def _rrt_connect(problem: Problem, start: Floats, goal: Floats, seed: int) -> Fl
     def check(state: Any) -> bool:
         nonlocal used
         used += 1
-        return problem.valid(np.array([state[i] for i in range(len(start))]))
+        return bool(problem.valid(np.array([state[i] for i in range(len(start))])))
 
     setup = og.SimpleSetup(_space(problem, start, goal))
     setup.setStateValidityChecker(check)
     setup.setStartAndGoalStates(_state(setup, start), _state(setup, goal))
     planner = og.RRTConnect(setup.getSpaceInformation())
-    planner.setRange(RANGE)
+    planner.setRange(problem.stride)
     setup.setPlanner(planner)
     status = setup.solve(ob.PlannerTerminationCondition(lambda: used > problem.budget))
     if not str(status).startswith("Exact"):

@@ -8,7 +8,6 @@ tried once more with things as they are on average: the alternative would be to 
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -18,7 +17,8 @@ from skolem.sim import arm_motions, grasps, motion, reach, sight, stances
 from skolem.sim.arm_motions import ArmPlanner
 from skolem.sim.assets import robot_sha256
 from skolem.sim.believed import BelievedWorld, Standing
-from skolem.sim.poses import compose2, flat, inverse2
+from skolem.sim.driving import MARGINS_M, drive
+from skolem.sim.poses import compose2, flat
 from skolem.traces.messages import (
     Belief,
     Command,
@@ -34,11 +34,7 @@ Floats = NDArray[np.float64]
 
 SENSING_HAND: Hand = "right"  # the only wrist with a force-torque sensor
 BASE_STREAM = 3
-BASE_BUDGET = 3000  # validity checks per drive
-BASE_RESOLUTION = 0.05  # m or rad between checked poses
-DRIVE_MARGINS_M = (0.04, 0.02, 0.0)  # distance kept while driving; less only if the start allows no more
-ROOM_M = 1.5  # how far around everything believed the base may drive
-SHARPEST_TURN_RAD = 0.5  # between two waypoints of a drive
+STANCE_MARGIN_M = MARGINS_M[0]  # distance that all of the robot keeps to everything where it stops
 CHECKED_STANCES, SKETCHED_STANCES, JOINED_STANCES = 80, 16, 4  # how many are tried, by rising effort
 SAME_M, SAME_RAD = 0.08, 0.2  # stances nearer than this to one that failed are skipped
 HEIGHT_STEP_M = 0.02  # reach maps are shared by tool heights that round to the same step
@@ -96,6 +92,10 @@ class PlanningWorld:
         self._answers: dict[Question, Command | None] = {}
         self._maps: dict[tuple[Hand, float, int, int], reach.ReachMap] = {}
 
+    def close(self) -> None:
+        """Close the physics client; no question can be asked afterwards."""
+        self._world.close()
+
     def sync(self, belief: Belief) -> None:
         """Take over a belief; answers about an equal one are kept."""
         if belief != self._belief:
@@ -112,6 +112,10 @@ class PlanningWorld:
         answer = self._kept("approach", activity, self._approach)
         assert answer is None or isinstance(answer, MoveBase)
         return answer
+
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        """Return the movable anchors in the way of the activity."""
+        return ()
 
     def _kept(self, question: str, activity: Activity, answer: Callable[[Activity], Command | None]) -> Command | None:
         key = (question, activity.kind, activity.anchor, activity.hand, activity.support)
@@ -181,7 +185,7 @@ class PlanningWorld:
             return MoveBase(start_T_waypoint=((0.0, 0.0, 0.0),))
         drives = 0
         for stance in self._serving(activity):
-            path = self._drive(here, stance, drives)
+            path = drive(self._world, here, stance, self._path_seed(BASE_STREAM, drives))
             if path is not None:
                 return MoveBase(start_T_waypoint=path)
             drives += 1
@@ -200,11 +204,7 @@ class PlanningWorld:
                 continue
             checked += 1
             self._world.reset(stance)
-            if (
-                self._world.free()
-                and self._world.clear(DRIVE_MARGINS_M[0])
-                and self._sees(activity, spots, int(target))
-            ):
+            if self._world.free() and self._world.clear(STANCE_MARGIN_M) and self._sees(activity, spots, int(target)):
                 if activity.kind == "look":
                     yield stance
                     continue
@@ -285,31 +285,6 @@ class PlanningWorld:
                 chosen.append(k)
         return places[chosen], ROOM_COST * (grasps.ENOUGH_M - room[chosen])
 
-    # ---------------------------------------------------------------- driving
-
-    def _drive(self, start: Pose2, goal: Pose2, attempt: int) -> tuple[Pose2, ...] | None:
-        """Return base poses in the frame of the start, the start first, along a free path; None if none is found."""
-        for margin in DRIVE_MARGINS_M:
-            self._world.reset()
-            problem = self._drive_problem(start, goal, margin)
-            if not problem.valid(np.array(start)):
-                continue
-            path = motion.plan(problem, np.array(start), np.array(goal), self._path_seed(BASE_STREAM, attempt))
-            self._world.reset()
-            return None if path is None else _from_start(start, path)
-        return None
-
-    def _drive_problem(self, start: Pose2, goal: Pose2, margin: float) -> motion.Problem:
-        def valid(world_T_base: Floats) -> bool:
-            self._world.set_base(world_T_base)
-            return self._world.free() and (margin == 0.0 or self._world.clear(margin))
-
-        points = [item.world_T_object[:2] for item in self._world.standing.values()]
-        points += [start[:2], goal[:2]]
-        low, high = np.min(points, axis=0) - ROOM_M, np.max(points, axis=0) + ROOM_M
-        lower, upper = np.array([*low, -math.pi]), np.array([*high, math.pi])
-        return motion.Problem(lower, upper, (False, False, True), valid, BASE_RESOLUTION, BASE_BUDGET)
-
 
 def _same(a: Pose2, b: Pose2) -> bool:
     """Return whether two base poses are so near that what fails at one will fail at the other."""
@@ -329,13 +304,3 @@ def _look_offsets() -> tuple[Floats, Floats]:
     offsets = np.stack([distance * np.cos(bearing), distance * np.sin(bearing)], axis=1)
     worse = LOOK_DISTANCE_COST * np.abs(distance - BEST_LOOK_M) + LOOK_BEARING_COST * np.abs(bearing)
     return offsets, 1.0 - worse
-
-
-def _from_start(start: Pose2, world_T_waypoint: Floats) -> tuple[Pose2, ...]:
-    """Return waypoints in the frame of the start, so dense that each turn between two is the shorter one."""
-    dense = [world_T_waypoint[0]]
-    for here, there in pairwise(world_T_waypoint):
-        count = max(1, math.ceil(abs(there[2] - here[2]) / SHARPEST_TURN_RAD))
-        dense += [here + (there - here) * k / count for k in range(1, count + 1)]
-    back = inverse2(start)
-    return tuple(compose2(back, (float(x), float(y), float(theta))) for x, y, theta in dense)

@@ -6,7 +6,7 @@ steps the physics or plans; several robots may live in several clients.
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -144,7 +144,7 @@ class PR2:
             torso=self.joints([TORSO])[0], head=(pan, tilt), right_arm=self.arm("right"), left_arm=self.arm("left")
         )
 
-    def set_arm(self, hand: Hand, values: Sequence[float]) -> None:
+    def set_arm(self, hand: Hand, values: Iterable[float]) -> None:
         """Put the arm of that hand at seven joint values."""
         self.set_joints(dict(zip(ARM[hand], values, strict=True)))
 

@@ -164,7 +164,7 @@ class PyBulletWorld:
         detections = worsen(seen, self._types, self._noise, self._seed, step)
         if self._images:
             self._record_images(rgb, depth)
-        view = cloud.depth_view(depth, base_T_camera)
+        view = cloud.depth_view(depth, cloud.misplaced(base_T_camera, error))
         return Observation(step=step, kind="look", detections=detections, view=view)
 
     def _record_images(self, rgb: NDArray[np.float64], depth: NDArray[np.float64]) -> None:

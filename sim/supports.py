@@ -111,7 +111,8 @@ def _fit(points: NDArray[np.float64], height: float) -> NDArray[np.float64]:
         near = distance < (_bulk(distance[distance < TRIM_M[-1]]) if trim is None else trim)
         if np.count_nonzero(near) < plane.size:
             break
-        plane = np.linalg.lstsq(design[near], points[near, 2])[0]
+        rows = design[near]  # normal equations, summed without BLAS: the same on any number of threads
+        plane = np.linalg.solve(np.einsum("ni,nj->ij", rows, rows), np.einsum("ni,n->i", rows, points[near, 2]))
     return plane
 
 

@@ -278,7 +278,8 @@ class SymbolicWorld:
         tops = tuple(_top(solid) for solid in solids if solid.type.shape == "table")
         report = Seen(canonical_order(seen), tuple(top for top in tops if len(top.points)), frame.origin)
         detections = worsen(report, self._types, self._noise, self._seed, step)
-        return Observation(step=step, kind="look", detections=detections, view=depth_view(frame, solids))
+        view = depth_view(frame, solids, misplaced(frame, error))
+        return Observation(step=step, kind="look", detections=detections, view=view)
 
     def _detection(self, solid: Solid, base_T_seen: Pose4, camera_base: NDArray[np.float64]) -> Detection:
         """Return the detection of one solid by a detector that errs as the camera's calibration does."""

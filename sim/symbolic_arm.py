@@ -15,7 +15,10 @@ from skolem.sim.poses import rotation
 from skolem.traces.messages import Hand, Joints7, Pose4
 
 CARRY: Mapping[Hand, Joints7] = MappingProxyType(
-    {"right": (-1.5, 0.9, -1.4, -1.9, 2.0, -1.2, 0.3), "left": (1.5, 0.9, 1.4, -1.9, -2.0, -1.2, -0.3)}
+    {  # those of skolem.sim.pr2, which cannot be imported without the physics engine
+        "right": (-0.72, 0.84865, 0.08833, -2.15891, -2.34645, -1.42687, 2.91387),
+        "left": (0.72, 0.84865, -0.08833, -2.15891, 2.34645, -1.42687, -2.91387),
+    }
 )
 PANS = 24
 # joint axis, and the way to the next joint along x, from the shoulder's pan to the tool

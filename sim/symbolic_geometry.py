@@ -118,6 +118,10 @@ class SymbolicGeometry:
         drives = [compose2(start, pose) for pose in found]
         return MoveBase(start_T_waypoint=(min(drives, key=_length),))
 
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        """Return what stands in the way of `activity`: nothing, as the hand goes straight through obstacles."""
+        return ()
+
     @property
     def _now(self) -> Belief:
         assert self._belief is not None, "sync comes before the first question"

@@ -18,7 +18,7 @@ from skolem.traces.messages import DepthView, ObjectType, Pose4
 
 Floats = NDArray[np.float64]
 
-COLUMNS, ROWS = 40, 30
+COLUMNS, ROWS = 80, 60
 ASPECT = COLUMNS / ROWS
 PAN_AXIS_M = (-0.06707, 0.0, 1.172125)  # in base_footprint with the torso at 0
 TILT_AXIS_M = (0.068, 0.0, 0.0)  # in the panned frame
@@ -91,12 +91,12 @@ def cast(frame: Frame, directions: Floats, solids: Sequence[Solid]) -> Floats:
     return nearest
 
 
-def depth_view(frame: Frame, solids: Sequence[Solid]) -> DepthView:
-    """Return the exact depth image of 40 x 30 pixels."""
+def depth_view(frame: Frame, solids: Sequence[Solid], believed: Frame) -> DepthView:
+    """Return the depth image of a camera at `frame`, of exact readings, as one who believes it at `believed`."""
     rays = pixel_rays(COLUMNS, ROWS).reshape(-1, 3) @ frame.axes.T
     depth = cast(frame, rays, solids)
     depth[depth > FAR_M] = 0.0
-    x, y, z, qx, qy, qz, qw = (float(v) for v in (*frame.origin, *Rotation.from_matrix(frame.axes).as_quat()))
+    x, y, z, qx, qy, qz, qw = (float(v) for v in (*believed.origin, *Rotation.from_matrix(believed.axes).as_quat()))
     return DepthView(
         base_T_camera=(x, y, z, qx, qy, qz, qw),
         fovy_rad=FOVY_RAD,

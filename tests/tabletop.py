@@ -96,8 +96,8 @@ def pick_at(robot: RobotState, base_T_object: Pose4, above_m: float = 0.065, han
     start = np.array(robot.right_arm if hand == "right" else robot.left_arm)
     base_T_tool = (base_T_object[0], base_T_object[1], base_T_object[2] + above_m, 0.0)
     at, level = np.array(base_T_tool[:3]), rotation(0.0)
-    reach = np.array([at + [0.02 * k - 0.12, 0.0, 0.0] for k in range(1, 7)])
-    lift = np.array([at + [0.0, 0.0, 0.02 * k] for k in range(1, 7)])
+    reach = np.array([np.add(at, (0.02 * k - 0.12, 0.0, 0.0)) for k in range(1, 7)])
+    lift = np.array([np.add(at, (0.0, 0.0, 0.02 * k)) for k in range(1, 7)])
     pregrasps = ik.all_solutions(hand, robot.torso, at - [0.12, 0.0, 0.0], level, ik.pan_grid(hand, 48))
     pregrasps = ik.nearest_turn(pregrasps, start)
     for pregrasp in sorted(pregrasps, key=lambda joints: float(np.abs(joints - start).sum())):

@@ -5,7 +5,16 @@ import pytest
 from scipy.spatial.transform import Rotation
 from tabletop import HEAD, NO_ERROR, TABLE, TABLE_M, picture
 
-from skolem.sim.cloud import BORDER_PX, Frame, cloud_from_depth, depth_view, pixel_rays, without_own_body
+from skolem.sim.cloud import (
+    ABOVE_PX,
+    BORDER_PX,
+    Frame,
+    cloud_from_depth,
+    depth_view,
+    misplaced,
+    pixel_rays,
+    without_own_body,
+)
 from skolem.sim.noise import Extrinsics
 
 RENDERER_M = 2e-4  # depth buffers hold 32-bit floats
@@ -33,9 +42,27 @@ def test_a_calibration_error_moves_all_points_as_one_body() -> None:
     assert off == pytest.approx(exact @ error.turn.T + error.shift)
 
 
+def test_a_calibration_error_misplaces_the_view_as_it_does_the_points() -> None:
+    depth = np.linspace(1.0, 2.0, 64).reshape(8, 8)
+    error = Extrinsics(Rotation.from_rotvec([0.01, -0.02, 0.03]).as_matrix(), np.array([0.01, 0.0, -0.01]))
+    points = cloud_from_depth(depth, np.zeros((8, 8, 3)), HEAD, error).points_base
+    believed = misplaced(HEAD, error)
+    rays = (pixel_rays(8, 8) * depth[..., None]).reshape(-1, 3)
+    assert points == pytest.approx(rays @ believed.axes.T + believed.origin)
+
+
 def test_border_pixels_are_marked() -> None:
     cloud = cloud_from_depth(np.ones((20, 30)), np.zeros((20, 30, 3)), ORIGIN, NO_ERROR)
     assert np.count_nonzero(~cloud.at_border) == (20 - 2 * BORDER_PX) * (30 - 2 * BORDER_PX)
+
+
+def test_points_under_something_nearer_are_marked() -> None:
+    depth = np.full((20, 10), 2.0)
+    depth[5:8, :4] = 1.0
+    cloud = cloud_from_depth(depth, np.zeros((20, 10, 3)), ORIGIN, NO_ERROR)
+    marked = np.argwhere(cloud.under_nearer.reshape(20, 10))
+    assert marked.min(axis=0).tolist() == [8, 0]
+    assert marked.max(axis=0).tolist() == [7 + ABOVE_PX, 3]
 
 
 def test_points_near_a_limb_are_left_out() -> None:
@@ -52,7 +79,7 @@ def test_the_coarse_view_holds_readings_of_exactly_its_own_rays() -> None:
     view = depth_view(depth, ORIGIN)
     coarse = pixel_rays(view.columns, view.rows)
     expected = np.round(1000.0 * (coarse[..., 1] + 3.0 * coarse[..., 2] + 5.0))
-    assert (view.columns, view.rows) == (40, 30)
+    assert (view.columns, view.rows) == (80, 60)
     assert np.array_equal(np.reshape(view.depth_mm, (view.rows, view.columns)), expected)
 
 

@@ -48,7 +48,9 @@ def test_types_are_right_at_the_given_rate_and_poses_stay(seen: Seen) -> None:
 
 
 def test_colours_scatter_by_the_given_sd(seen: Seen) -> None:
-    green = [detection.rgb[1] for look in looks(seen, colour_sd_rgb=0.05) for detection in look if detection.rgb[1] > 0.3]
+    green = [
+        detection.rgb[1] for look in looks(seen, colour_sd_rgb=0.05) for detection in look if detection.rgb[1] > 0.3
+    ]
     assert np.std(green) == pytest.approx(0.05, rel=3.0 / math.sqrt(2.0 * LOOKS))
 
 

@@ -126,10 +126,19 @@ def test_things_a_finger_apart_are_two(bearing: float) -> None:
 
 
 def test_a_half_hidden_thing_is_placed_right_if_it_is_reported() -> None:
-    things: list[Placed] = [TABLE, ("bottle", (0.9, 0.0, TABLE_M, 0.0), RED), ("soda", (1.2, 0.05, TABLE_M, 0.0), GREEN)]
+    things: list[Placed] = [
+        TABLE,
+        ("bottle", (0.9, 0.0, TABLE_M, 0.0), RED),
+        ("soda", (1.2, 0.05, TABLE_M, 0.0), GREEN),
+    ]
     green = [detection for detection in look(things).detections if detection.rgb[1] > detection.rgb[0]]
     assert len(green) == 1
     assert green[0].base_T_object[:2] == pytest.approx((1.2, 0.05), abs=0.01)
+
+
+def test_a_leg_of_which_a_table_hides_the_upper_part_is_no_thing() -> None:
+    frame = looking((-0.3, -0.3, 1.5), (0.7, -0.5, 0.5))
+    assert detect(seen_cloud([TABLE], CLEAR, frame=frame), TYPES, CLEAR).detections == ()
 
 
 def test_a_cylinder_is_reported_with_an_unknown_heading_and_a_box_with_a_known_one() -> None:

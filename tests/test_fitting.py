@@ -49,6 +49,6 @@ def test_a_cylinder_has_no_heading() -> None:
 
 def test_points_of_a_second_thing_lie_outside_the_outline() -> None:
     feet, heights = seen_side("soda", 1.0, 0.0, 0.0)
-    both = np.concatenate([feet, feet + (0.0, 0.08)])
+    both = np.concatenate([feet, np.add(feet, (0.0, 0.08))])
     assert fit_type(feet, heights, CAMERA_XY, TYPES["soda"]).outside == 0.0
     assert fit_type(both, np.tile(heights, 2), CAMERA_XY, TYPES["soda"]).outside > 0.2

@@ -221,7 +221,7 @@ def test_the_depth_image_has_the_pixel_convention_of_its_message() -> None:
     head = head_towards(0.2, np.array([1.3, 0.0, 0.68]))
     assert head is not None
     frame, table = camera(0.2, *head), Solid("t", TYPES["table"], (1.3, 0.0, 0.0, 0.0))
-    view = depth_view(frame, [table])
+    view = depth_view(frame, [table], frame)
     focal = view.rows / 2 / math.tan(view.fovy_rad / 2)
     row, column = 14, 20
     ray = np.array([1.0, -(column - view.columns / 2) / focal, -(row + 1 - view.rows / 2) / focal])
@@ -247,6 +247,12 @@ def test_reach_is_the_inverse_of_forward_kinematics_for_both_arms() -> None:
         assert joints is not None
         assert base_T_tool(hand, 0.2, joints) == pytest.approx(tool)
         assert reach(hand, 0.2, (1.6, 0.0, 0.75, 0.0)) is None
+
+
+def test_the_arms_are_carried_as_those_of_the_robot_model() -> None:
+    from skolem.sim import pr2
+
+    assert pr2.CARRY == CARRY
 
 
 @pytest.mark.parametrize(("offset", "status"), [(0.0, "done"), (0.025, "done"), (0.035, "failed")])
@@ -317,10 +323,11 @@ def test_a_disturbance_takes_an_object_out_of_the_hand() -> None:
 
 def test_equal_seeds_give_equal_worlds_and_other_seeds_others() -> None:
     noise = EXACT.model_copy(update={"odometry_sd_m": 0.01, "extrinsics_sd_m": 0.01, "found": 0.9})
+    commands: tuple[Command, ...] = (LOOK, DRIVE, LOOK)
     hashes = []
     for seed in (1, 1, 2):
         there = world(noise, seed)
-        said = [do(there, command, step) for step, command in enumerate((LOOK, DRIVE, LOOK))]
+        said = [do(there, command, step) for step, command in enumerate(commands)]
         hashes.append((there.state(3).sha256, said))
     assert hashes[0] == hashes[1] != hashes[2]
 
@@ -391,8 +398,8 @@ def test_a_look_from_the_answer_sees_its_object() -> None:
 
 
 def test_what_is_too_far_to_look_at_is_approached() -> None:
-    far = (*BODIES, TrueBody("table9", "table", (4.0, 0.0, 0.0, 0.0), (0.1, 0.5, 0.6), 30.0))
-    far = (*far, TrueBody("blue", "soda", (3.75, 0.0, 0.68, 0.0), (0.6, 0.9, 0.8), 0.35))
+    table = TrueBody("table9", "table", (4.0, 0.0, 0.0, 0.0), (0.1, 0.5, 0.6), 30.0)
+    far = (*BODIES, table, TrueBody("blue", "soda", (3.75, 0.0, 0.68, 0.0), (0.6, 0.9, 0.8), 0.35))
     there, look = world(bodies=far), Activity("look", "blue")
     assert geometry(there).ready(look) is None
     drive = geometry(there).approach(look)

@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.visibility import prob_visible
 from skolem.traces.messages import DepthView, ObjectType, Pose2
 
@@ -30,7 +31,7 @@ def view(depth_m: NDArray[np.float64] | float, heading: float = 0.0) -> DepthVie
 def visible(
     picture: DepthView, pose: Pose2 = (2.0, 0.0, 0.0), cov: NDArray[np.float64] = KNOWN, z: float = CAMERA_Z
 ) -> float:
-    return prob_visible(picture, pose, cov, z, CAN, EstimatorConfig())
+    return prob_visible(DepthImage.of(picture), pose, cov, z, CAN, EstimatorConfig())
 
 
 def test_object_before_a_far_wall_would_be_seen() -> None:

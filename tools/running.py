@@ -1,0 +1,75 @@
+"""A run from the command line: watched, timed, summed up, and its exit status."""
+
+import json as json_format
+import traceback
+from pathlib import Path
+
+from skolem.tools import session
+from skolem.tools.live import watcher_for
+from skolem.tools.stopwatch import Stopwatch
+from skolem.traces.errors import InputError, SkolemError
+from skolem.traces.messages import TICKS_PER_SECOND, RunStatus
+
+EXIT: dict[RunStatus, int] = {
+    "goal_achieved": 0,
+    "goal_unachievable": 1,
+    "limit_reached": 1,
+    "error": 4,
+    "interrupted": 130,
+}
+
+
+def execute(setup: session.Setup, trace: Path, watch: Stopwatch, json: bool, quiet: bool) -> int:
+    """Run, print what came of it, and return the exit status."""
+    outcome = session.Outcome()
+    status: RunStatus = "error"
+    reason = ""
+    with watcher_for(setup, quiet) as watcher:
+        try:
+            session.run(setup, trace, watcher, watch, outcome)
+            assert outcome.end is not None, "a run that raises nothing has an end"
+            status, reason = outcome.end.status, outcome.end.reason
+        except KeyboardInterrupt:
+            status, reason = "interrupted", "interrupted"
+        except InputError:
+            raise
+        except Exception as error:
+            reason = f"{type(error).__name__}: {error}"
+            if not isinstance(error, SkolemError):
+                traceback.print_exception(error)
+    summary = session.summary(setup, outcome, status, reason, trace)
+    if json:
+        print(json_format.dumps(summary))
+    else:
+        print(verdict_text(setup, outcome, status, reason, trace))
+    return EXIT[status]
+
+
+def verdict_text(setup: session.Setup, outcome: session.Outcome, status: RunStatus, reason: str, trace: Path) -> str:
+    """Return what the robot believes, what is true, and where the trace lies."""
+    counts = (
+        f"{outcome.actions} actions, {outcome.replans} replans, "
+        f"{outcome.tick / TICKS_PER_SECOND:.1f} s simulated, {outcome.total_s:.1f} s wall"
+    )
+    lines = []
+    if outcome.end is None:
+        lines.append(f"{'interrupted' if status == 'interrupted' else f'internal error: {reason}'}; {counts}")
+    else:
+        about = f"{outcome.end.anchor or 'no object'}, p = {outcome.end.goal_probability:.3f}"
+        said = "goal believed achieved" if status == "goal_achieved" else f"goal not achieved: {reason}"
+        best = about if status == "goal_achieved" else f"best candidate {about}"
+        lines.append(f"{said}; {best}; {counts}")
+    if outcome.verdict is not None:
+        witness = f" ({outcome.verdict.witness})" if outcome.verdict.witness else ""
+        lines.append(f"true in the simulator: {'yes' + witness if outcome.verdict.true else 'no'}")
+    lines.append(f"trace: {trace} (content {outcome.content_hash[:12]})")
+    return "\n".join(lines)
+
+
+def unused(path: Path) -> Path:
+    """Return the path, or the first of NAME.2.mcap, NAME.3.mcap, .. that does not exist."""
+    number, free = 2, path
+    while free.exists():
+        free = path.with_name(f"{path.stem}.{number}{path.suffix}")
+        number += 1
+    return free

@@ -1,0 +1,164 @@
+"""How the runs of a sweep went, as Markdown: success with its interval, calibration, effort, and every failure."""
+
+import math
+import os
+import platform
+import re
+import statistics
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from skolem.reasoner.expressions import Believed, Estimated, Goal
+from skolem.tools.session import PARTS
+from skolem.tools.sweep_rows import Row
+
+CONFIDENCE = 0.95  # of the intervals
+COUNTS: tuple[tuple[str, Callable[[Row], float]], ...] = (
+    ("actions", lambda row: row.actions),
+    ("replans", lambda row: row.replans),
+    ("clingo calls", lambda row: row.clingo_calls),
+)
+TIMES: tuple[tuple[str, Callable[[Row], float]], ...] = (
+    ("simulated time, s", lambda row: row.simulated_s),
+    ("wall time, s", lambda row: row.seconds["total"]),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The runs of one scenario.
+
+    Attributes:
+        name: Of the scenario.
+        world: Which simulator.
+        overrides: What was changed of the scenario.
+        goal: What was to be achieved.
+        rows: The runs, by seed.
+    """
+
+    name: str
+    world: str
+    overrides: Sequence[str]
+    goal: Goal
+    rows: Sequence[Row]
+
+    @property
+    def title(self) -> str:
+        """Name, world and overrides in one line."""
+        return ", ".join([self.name, f"{self.world} world", *self.overrides])
+
+
+def wilson(hits: int, of: int) -> tuple[float, float]:
+    """Return Wilson's score interval of a share, at `CONFIDENCE` (J. Am. Stat. Assoc. 22, 1927)."""
+    if of == 0:
+        return (0.0, 1.0)
+    z = statistics.NormalDist().inv_cdf((1.0 + CONFIDENCE) / 2.0)
+    share, scale = hits / of, 1.0 + z * z / of
+    middle = (share + z * z / (2 * of)) / scale
+    reach = z / scale * math.sqrt(share * (1.0 - share) / of + z * z / (4 * of * of))
+    return (max(0.0, middle - reach), min(1.0, middle + reach))
+
+
+def promised(goal: Goal) -> float | None:
+    """Return the least probability with which the goal asks anything to be believed."""
+    return min((item.p for item in goal.conjuncts if isinstance(item, Believed | Estimated)), default=None)
+
+
+def summary(parts: Iterable[Part]) -> str:
+    """Return the whole account."""
+    return "\n".join(["# Sweep", "", *(section(part) for part in parts)])
+
+
+def section(part: Part) -> str:
+    """Return the account of one scenario."""
+    rows = part.rows
+    ended = [row for row in rows if row.status != "error"]
+    lines = [f"## {part.title}", "", f"Goal: `{part.goal}`", "", *_shares(part), ""]
+    if ended:
+        lines += [*_efforts(ended), "", _variety(rows), ""]
+    failed = [row for row in rows if not row.succeeded]
+    lines += [*(_failure(row) for row in failed), *([""] if failed else [])]
+    return "\n".join(lines)
+
+
+def line(part: Part) -> str:
+    """Return one line for a terminal."""
+    rows, believed = part.rows, sum(row.believed for row in part.rows)
+    true = sum(row.succeeded for row in part.rows)
+    effort = f"median {_number(statistics.median(row.actions for row in rows))} actions" if rows else "nothing done"
+    return f"{part.title}: {believed} of {len(rows)} believed, {true} of these true; {effort}"
+
+
+def with_section(text: str, key: str, section: str) -> str:
+    """Return a text with the section of that key put in, or replaced, between its markers."""
+    begin, end = f"<!-- results {key} -->", f"<!-- end of results {key} -->"
+    block = f"{begin}\n{section}{end}"
+    pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
+    if pattern.search(text):
+        return pattern.sub(lambda _: block, text)
+    return f"{text.rstrip()}\n\n{block}\n"
+
+
+def _shares(part: Part) -> list[str]:
+    """Return success and calibration as a table."""
+    rows, floor = part.rows, promised(part.goal)
+    believed, succeeded = sum(row.believed for row in rows), sum(row.succeeded for row in rows)
+    unaware = sum(row.true is True and not row.believed for row in rows)
+    return [
+        f"| of {len(rows)} runs | number | share | {CONFIDENCE:.0%} interval |",
+        "|---|---|---|---|",
+        _share("goal believed achieved", believed, len(rows)),
+        _share("believed and true", succeeded, len(rows)),
+        _share("true but not believed", unaware, len(rows)),
+        _share("true among the believed" + (f" (promised: {floor:.0%})" if floor else ""), succeeded, believed),
+    ]
+
+
+def _share(title: str, hits: int, of: int) -> str:
+    low, high = wilson(hits, of)
+    share = f"{hits / of:.1%}" if of else "-"
+    return f"| {title} | {hits} of {of} | {share} | {low:.1%} to {high:.1%} |"
+
+
+def _efforts(rows: Sequence[Row]) -> list[str]:
+    """Return medians and ranges of the runs that ended by themselves, as a table."""
+    parts = [(f"- {name.replace('_', ' ')}", lambda row, name=name: row.seconds[name]) for name in PARTS]
+    speed = statistics.median(row.simulated_s / row.seconds["total"] for row in rows if row.seconds["total"])
+    return [
+        "| of a run | median | least | most |",
+        "|---|---|---|---|",
+        *(_effort(title, [value(row) for row in rows]) for title, value in [*COUNTS, *TIMES, *parts]),
+        "",
+        f"Simulated over wall time: median {speed:.2f}. Wall times of single-threaded processes on a machine with "
+        f"{os.cpu_count()} processors ({platform.machine()}), Python {platform.python_version()}.",
+    ]
+
+
+def _effort(title: str, values: Sequence[float]) -> str:
+    return f"| {title} | {_number(statistics.median(values))} | {_number(min(values))} | {_number(max(values))} |"
+
+
+def _number(value: float) -> str:
+    return f"{value:g}" if float(value).is_integer() else f"{value:.2f}"
+
+
+def _variety(rows: Sequence[Row]) -> str:
+    """Return how many ways to success there were."""
+    ways = Counter(row.sequence for row in rows if row.succeeded)
+    if not ways:
+        return "No run succeeded."
+    common, times = min(ways.items(), key=lambda item: (-item[1], item[0]))
+    return (
+        f"Distinct successful action sequences: {len(ways)}. The most frequent ({times} of {ways.total()}): "
+        f"{', '.join(common)}."
+    )
+
+
+def _failure(row: Row) -> str:
+    """Return why a run did not succeed, in one line."""
+    if row.believed:
+        why = f"believed of {row.anchor} at p = {row.goal_probability:.3f}, but not true"
+    else:
+        why = f"{row.status}: {' '.join(row.reason.split())}"
+    return f"- seed {row.seed}: {why}; {row.trace or 'no trace'}"
