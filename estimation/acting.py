@@ -19,11 +19,17 @@ def events_of(
         result: What the joints said.
         grasps: Anchor and tool_T_object by the hand that held them before the action.
         noise: Of wheels, and of objects at release.
-        config: Reads `closed_gap_m`, `dropped_sd_m` and `dropped_sd_rad`.
+        config: Reads `closed_gap_m`, `dropped_sd_m`, `dropped_sd_rad`, `touched_sd_m` and `touched_sd_rad`.
+
+    An arm that touched something where its way was thought free never closed or opened its fingers. The base then does
+    not stand where it was believed to: it is taken to be as uncertain as after a short drive, so that looking is in
+    order again.
     """
     events: list[Event] = [Posed(robot=result.robot)]
     if result.odometry is not None:
         events += _drive(result.odometry, noise)
+    if isinstance(action.command, Pick | Place) and result.base_T_tool is None:
+        events.append(Moved(start_T_end=(0.0, 0.0, 0.0), sd_m=config.touched_sd_m, sd_rad=config.touched_sd_rad))
     match action.command:
         case Pick():
             events += _pick(action, action.command, result, config)

@@ -3,13 +3,14 @@
 Everything it does with a belief is written down in the `Turn` it returns: plans, searches, the action or the end.
 """
 
+from collections import Counter
 from dataclasses import dataclass, field
 
 from skolem.reasoner.denotation import Denotations
 from skolem.reasoner.expressions import Goal
-from skolem.reasoner.goals import PosedGoal, read_mutexes
+from skolem.reasoner.goals import Closest, PosedGoal, read_mutexes
 from skolem.reasoner.hierarchy import Change, PlanStack
-from skolem.reasoner.instances import title
+from skolem.reasoner.instances import Instance, title
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.rulebook import Rulebook
@@ -22,6 +23,7 @@ from skolem.traces.messages import Action, Command, Decision, Limits, Plan, Plan
 class Turn:
     """What one decision wrote down, and its outcome: an action or the end of the run."""
 
+    closest: Closest
     plans: list[Plan] = field(default_factory=list)
     decisions: list[Decision] = field(default_factory=list)
     action: Action | None = None
@@ -50,7 +52,9 @@ class Agent:
         self._stack = PlanStack()
         self._denotations = Denotations(goal.expressions, rulebook)
         self._mutexes = read_mutexes(rulebook)
-        self._refused: set[tuple[Term, int]] = set()
+        self._refused: dict[tuple[Term, int], Term] = {}  # (step, level) -> what it is called
+        self._failures: Counter[Term] = Counter()
+        self._executed: Step | None = None
         self._version = belief.version
         self._posed = self._pose()
 
@@ -59,7 +63,8 @@ class Agent:
         if self._belief.version != self._version:
             self._version, self._posed = self._belief.version, self._pose()
             self._refused.clear()
-        turn = Turn()
+        self._count_failure()
+        turn = Turn(closest=self._posed.closest())
         if self._posed.achieved() is not None:
             self._finish(turn, step, "goal_achieved", "every conjunct of the goal is believed")
         elif step >= self._limits.steps:
@@ -111,7 +116,7 @@ class Agent:
             roots,
             self._posed.offers,
             self._stack.level_of,
-            lambda instance, level: (instance.called, level) in self._refused,
+            lambda instance, level: (instance.step, level) in self._refused or self._hopeless(instance),
             self._limits.expansions,
             nll(self._limits.min_plan_probability),
             final,
@@ -137,21 +142,34 @@ class Agent:
 
     def _refuse(self, turn: Turn, step: int, current: Step) -> None:
         """Note that a step cannot be refined or executed in this belief, and plan from the top without it."""
-        self._refused.add((current.instance.called, current.level))
+        self._refused[current.instance.step, current.level] = current.instance.called
         self._stack.clear()
         turn.plans.append(self._stack.message(step, Change("refused", (current.instance.called,))))
 
     def _execute(self, turn: Turn, step: int, current: Step) -> None:
         command = None if current.instance.executes is None else self._command(current.instance.executes)
-        if command is None:
+        if command is None or self._hopeless(current.instance):
             self._refuse(turn, step, current)
         else:
+            self._executed = current
             turn.action = Action(
                 step=step,
                 op=title(current.instance.called),
                 args=_objects(current.instance.executes),
                 command=command,
             )
+
+    def _hopeless(self, instance: Instance) -> bool:
+        """Return whether an action failed so often that it is not tried again."""
+        return self._failures[instance.step] >= self._limits.repeats
+
+    def _count_failure(self) -> None:
+        """Note whether the last action did what the plan took it for."""
+        if self._executed is not None:
+            step = self._executed.instance.step
+            achieved = self._posed.satisfied(self._executed.subgoal) is not None
+            self._failures[step] = 0 if achieved else self._failures[step] + 1
+            self._executed = None
 
     def _command(self, executes: Term) -> Command | None:
         if isinstance(executes, Compound) and executes.name == "move":
@@ -167,14 +185,16 @@ class Agent:
         floor = self._limits.min_plan_probability
         reason = f"no plan with a probability of at least {floor:g} reaches the goal"
         if self._refused:
-            names = ", ".join(sorted({title(name) for name, _ in self._refused}))
+            names = ", ".join(sorted({title(name) for name in self._refused.values()}))
             reason += f"; found impossible in the believed world: {names}"
-        elif last.expansions >= self._limits.expansions:
-            reason += f" within {last.expansions} expansions (limits.expansions)"
+        often = sorted(str(step) for step, count in self._failures.items() if count >= self._limits.repeats)
+        if often:
+            reason += f"; without success {self._limits.repeats} times: {', '.join(often)}"
+        if last.expansions >= self._limits.expansions:
+            reason += f"; stopped after {last.expansions} expansions (limits.expansions)"
         self._finish(turn, step, "goal_unachievable", reason)
 
     def _finish(self, turn: Turn, step: int, status: RunStatus, reason: str) -> None:
-        closest = self._posed.closest()
         done = status == "goal_achieved"
         self._stack.clear()
         turn.plans.append(self._stack.message(step, Change("done" if done else "giveup")))
@@ -182,9 +202,9 @@ class Agent:
             status=status,
             steps=step,
             reason=reason,
-            goal_probability=closest.probability,
-            anchor=closest.anchor,
-            conjuncts=closest.conjuncts,
+            goal_probability=turn.closest.probability,
+            anchor=turn.closest.anchor,
+            conjuncts=turn.closest.conjuncts,
             regions={region: self._belief.prob_contents(region) for region in self._belief.regions()},
         )
 

@@ -89,13 +89,18 @@ class PosedGoal:
         known = [root for root in self.instantiations if not any(mentions(f, "sk") for f in root)]
         if not known:
             return Closest()
-        best = max(known, key=self._probability)
+        best = max(known, key=lambda root: (self._probability(root), self._probability(root, "den")))
         anchor = _subject(best, self.situation.anchors())
         return Closest(self._probability(best), anchor, {} if anchor is None else self._conjuncts(anchor))
 
-    def _probability(self, root: Subgoal) -> float:
-        believed = [f.args[0] for f in sorted(root, key=str) if isinstance(f, Compound) and f.name == "b"]
-        return math.prod(map(self.situation.probability, believed))
+    def _probability(self, root: Subgoal, kind: str = "") -> float:
+        """Return the product over the beliefs of a conjunction, or over those of one kind."""
+        phis = [f.args[0] for f in sorted(root, key=str) if isinstance(f, Compound) and f.name == "b"]
+        return math.prod(
+            self.situation.probability(phi)
+            for phi in phis
+            if not kind or (isinstance(phi, Compound) and phi.name == kind)
+        )
 
     def _conjuncts(self, anchor: str) -> dict[str, float]:
         found: dict[str, float] = {}

@@ -21,6 +21,7 @@ class Play:
         log_kg: What a weighing shows, ln(kg).
         found: What a look at a region shows: new objects by anchor.
         shows_type: What a look shows of an object's type.
+        fails: Operators that change nothing.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class Play:
         self.belief = TableBelief(things, regions)
         self.found = found or {}
         self.shows_type = shows_type
+        self.fails: set[str] = set()
         self.geometry = TableGeometry()
         self.hues = hues or {}
         self.log_kg = log_kg or {}
@@ -64,6 +66,9 @@ class Play:
     def carry_out(self, turn: Turn) -> None:
         assert turn.action is not None
         command = turn.action.command
+        if turn.action.op in self.fails:
+            self.belief.changed()
+            return
         if turn.action.op.startswith("LookAtRegion"):
             region = turn.action.args[0]
             self.belief.spaces[region].seen = 0.95

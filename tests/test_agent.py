@@ -107,6 +107,19 @@ def test_what_the_geometry_cannot_do_is_given_up_without_spinning(rulebook: Rule
     assert "Move(look(sodaC))" in end.reason
 
 
+def test_an_action_that_changes_nothing_is_given_up_after_some_repeats(rulebook: Rulebook) -> None:
+    limits = LIMITS.model_copy(update={"repeats": 4})
+    hues = {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN}
+    play = Play(rulebook, GREEN_TO_TABLE1, sodas(), hues, limits=limits)
+    play.fails = {"Pick(sodaC)"}
+    operators = play.run()
+    assert operators.count("Pick(sodaC)") == 2 * limits.repeats  # with each hand
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.status == "goal_unachievable"
+    assert "Pick(sodaC)" in end.reason
+
+
 def test_the_limit_of_steps_ends_the_run(rulebook: Rulebook) -> None:
     limits = LIMITS.model_copy(update={"steps": 3})
     play = Play(rulebook, GREEN_TO_TABLE1, sodas(), {"sodaE": RED}, limits=limits)

@@ -255,6 +255,7 @@ class _Run:
             self._write("/decision", decision)
         self._outcome.replans += sum(plan.cause in DROPPED for plan in turn.plans)
         self._outcome.clingo_calls += sum(decision.clingo_calls for decision in turn.decisions)
+        self._writer.candidate(turn.closest.probability, turn.closest.anchor)
         self._watcher.decided(turn)
         if turn.end is None:
             assert turn.action is not None, "a turn has an action or an end"

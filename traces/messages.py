@@ -171,6 +171,7 @@ class Limits(Message):
     expansions: Annotated[int, Field(gt=0, description="per call of the regression")]
     hierarchy_depth: Annotated[int, Field(ge=12, description="layers of the plan stack")]
     min_plan_probability: Probability
+    repeats: Annotated[int, Field(gt=0, description="of one action without success, before it is given up")] = 10
 
 
 class RunStart(Message):
