@@ -16,6 +16,7 @@ from skolem.estimation.extrinsics import expected_look
 from skolem.estimation.fluents import prob_in_polygon, rectangle
 from skolem.estimation.looking import Look
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
+from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, Vector, raised, turned, upper
 from skolem.estimation.tracks import Track, Tracks
 from skolem.estimation.visibility import outline_radius
@@ -65,7 +66,7 @@ class Belief:
 
     def _begin(self, config: EstimatorConfig) -> None:
         self._config = config
-        self._graph, self._tracks = PoseGraph(config), Tracks(config)
+        self._graph, self._tracks, self._regions = PoseGraph(config), Tracks(config), Regions(config)
         self._events: list[Event] = []
         self._relative: dict[tuple[str, str], tuple[Pose2, Matrix]] = {}
 
@@ -77,7 +78,7 @@ class Belief:
         for event in events_of(action, result, grasps, self._tracks.prior.noise, self._config):
             self.apply(event)
         if observation.kind == "look":
-            self.apply(Look(observation, self._graph, self._tracks, self._config).event())
+            self.apply(Look(observation, self._graph, self._tracks, self._regions, self._config).event())
         if observation.wrench is not None and (anchor := self.held(observation.wrench.hand)):
             self.apply(Weighed(anchor=anchor, kg=-observation.wrench.force_newton[2] / GRAVITY))
 
@@ -85,6 +86,7 @@ class Belief:
         """Take in one event; one that does not fit raises `InternalError` and changes nothing."""
         self._graph.apply(event)
         self._tracks.apply(event)
+        self._regions.apply(event, self._graph, self._tracks)
         self._events.append(event)
         self._relative.clear()
 
@@ -111,12 +113,11 @@ class Belief:
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
         """P(the object has the property), given that it exists."""
-        track = self._tracks[anchor]
-        if isinstance(meaning, TypeIs):
-            return track.types.prob(meaning.type)
-        if isinstance(meaning, HsvVolume):
-            return track.colour.prob(meaning)
-        return track.weight.prob(meaning)
+        return _prob(self._tracks[anchor], meaning)
+
+    def prob_property_of_new(self, meaning: Meaning) -> float:
+        """P(an arbitrary object that nobody has met yet has the property)."""
+        return _prob(self._tracks.stranger(), meaning)
 
     def prob_on(self, anchor: str, support: str) -> float:
         """P(the object exists and rests wholly on the top of `support`); 0 while it is held."""
@@ -133,6 +134,22 @@ class Belief:
         inside = turned(covariance, support_T_object[2])[:2, :2]
         free = rectangle((size[0] - margin, size[1] - margin))
         return track.exists * prob_in_polygon(np.array(support_T_object[:2]), inside, free)
+
+    def regions(self) -> tuple[str, ...]:
+        """Every region of space that can be searched, in order of introduction."""
+        return self._regions.names()
+
+    def region_support(self, region: str) -> str:
+        """The anchor on whose top the region lies."""
+        return self._regions[region].told.support
+
+    def prob_contents(self, region: str) -> float:
+        """BContents: the part of the region that has been seen, known objects taken out."""
+        return self._regions[region].coverage.contents
+
+    def prob_exists_in(self, region: str, match: float) -> float:
+        """P(the unseen part of the region holds an object with a property that an arbitrary one has with p = match)."""
+        return self._regions.prob_exists_in(region, match)
 
     def graspable(self, anchor: str) -> bool:
         """Whether the most likely type can be grasped by a hand."""
@@ -205,6 +222,7 @@ class Belief:
             robot=self._graph.robot,
             anchors=anchors,
             objects={anchor: self._object(anchor, joint, i + 1) for i, anchor in enumerate(anchors)},
+            regions=self._regions.messages(),
             keys=joint.names,
             joint_covariance=tuple(float(v) + 0.0 for v in joint.covariance[np.triu_indices(len(joint.covariance))]),
         )
@@ -231,3 +249,12 @@ class Belief:
 
     def _grasp(self, track: Track) -> Pose4 | None:
         return self._graph.tool_T_object(track.hand) if track.hand else None
+
+
+def _prob(track: Track, meaning: Meaning) -> float:
+    """Return P(the object has the property), given that it exists."""
+    if isinstance(meaning, TypeIs):
+        return track.types.prob(meaning.type)
+    if isinstance(meaning, HsvVolume):
+        return track.colour.prob(meaning)
+    return track.weight.prob(meaning)

@@ -18,6 +18,9 @@ class EstimatorConfig:
         seen_share: Share of an object's outline that must be in sight for the detector to report it.
         depth_margin_m: Something nearer than an object's front by more than this hides it; camera and fit errors.
         sight_m: Distance from the camera beyond which objects are not detected.
+        voxel_m: Edge of the voxels in which regions are searched: about half of the thinnest thing that is looked for.
+        voxel_margin_m: A reading this much before the centre of a voxel still shows it empty; the depth's error.
+        unseen_points: Most points by which a snapshot tells the unseen part of a region.
         typical_range_m: Horizontal distance from which the robot looks at what it examines.
         typical_drop_m: How far below the camera things stand: a head at 1.4 m, a table at 0.7 m.
         fit_sd_m: Of a detection's place beside the camera's error.
@@ -31,6 +34,8 @@ class EstimatorConfig:
         pushed_sd_rad: How far a failed pick may turn it.
         dropped_sd_m: How far an object may lie from where a failed place released it, each axis.
         dropped_sd_rad: The same for its heading.
+        touched_sd_m: How far the base may stand from where it was believed to when an arm touched something, each axis.
+        touched_sd_rad: The same for its heading.
         pick_fails: P(a pick closes on nothing | the object exists).
         pick_deceives: P(a pick closes on something | the object does not exist).
         closed_gap_m: Gap between the fingers below which they hold nothing.
@@ -47,6 +52,9 @@ class EstimatorConfig:
     seen_share: float = 0.75
     depth_margin_m: float = 0.03
     sight_m: float = 2.4
+    voxel_m: float = 0.03
+    voxel_margin_m: float = 0.01
+    unseen_points: int = 64
     typical_range_m: float = 1.0
     typical_drop_m: float = 0.7
     fit_sd_m: float = 0.002
@@ -60,6 +68,8 @@ class EstimatorConfig:
     pushed_sd_rad: float = 0.3
     dropped_sd_m: float = 0.05
     dropped_sd_rad: float = 1.0
+    touched_sd_m: float = 0.02
+    touched_sd_rad: float = 0.02
     pick_fails: float = 0.1
     pick_deceives: float = 0.01
     closed_gap_m: float = 0.005

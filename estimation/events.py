@@ -9,7 +9,18 @@ from typing import Annotated, Literal
 
 from pydantic import Field, TypeAdapter
 
-from skolem.traces.messages import Anchor, Detection, Hand, Message, Pose2, Pose4, Prior, Probability, RobotState
+from skolem.traces.messages import (
+    Anchor,
+    DepthView,
+    Detection,
+    Hand,
+    Message,
+    Pose2,
+    Pose4,
+    Prior,
+    Probability,
+    RobotState,
+)
 
 Upper6 = tuple[float, float, float, float, float, float]
 
@@ -47,7 +58,9 @@ class Sighting(Message):
     covariance: Upper6 = Field(description="of the sighting alone over (x, y, theta), object frame")
     z: float
     z_sd_m: float
-    odds: float = Field(description="how many times likelier the detection is with the object than without")
+    odds: float = Field(
+        description="how many times likelier the detection is with the object than without; new: real than false"
+    )
     detection: Detection
 
 
@@ -67,6 +80,7 @@ class Looked(Message):
     )
     sightings: tuple[Sighting, ...]
     missed: tuple[Missed, ...]
+    view: DepthView | None = Field(default=None, description="which space was seen through")
 
 
 class Picked(Message):

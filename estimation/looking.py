@@ -5,15 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skolem.estimation.association import Match, Measured, assign, match, with_heading_near
+from skolem.estimation.association import MAX_LOG_ODDS, Match, Measured, assign, match, with_heading_near
 from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.events import Looked, Missed, Sighting, canonical_order
 from skolem.estimation.extrinsics import camera_covariance, own_covariance, sighting_z_sd
 from skolem.estimation.fluents import prob_in_polygon, rectangle
 from skolem.estimation.pose_graph import BASE, PoseGraph
+from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, flat, symmetric, turned, upper
 from skolem.estimation.tracks import Tracks
-from skolem.estimation.visibility import camera_position, prob_visible
+from skolem.estimation.visibility import prob_visible
 from skolem.traces.messages import Detection, NoiseModel, Observation, Pose2
 
 LIKELY = 0.5  # a new object stands on the table that more likely than not is under it
@@ -31,15 +33,16 @@ class Expected:
 class Look:
     """The interpretation of one look on the belief before it."""
 
-    def __init__(self, observation: Observation, graph: PoseGraph, tracks: Tracks, config: EstimatorConfig) -> None:
-        self._graph, self._tracks, self._config = graph, tracks, config
+    def __init__(
+        self, observation: Observation, graph: PoseGraph, tracks: Tracks, regions: Regions, config: EstimatorConfig
+    ) -> None:
+        self._graph, self._tracks, self._regions, self._config = graph, tracks, regions, config
         self._noise: NoiseModel = tracks.prior.noise
         self._view = observation.view
         self._detections = canonical_order(observation.detections)
         self._expected = tuple(Expected(a, *graph.relative(BASE, a)) for a in tracks.detectable())
-        self._camera = (
-            np.array([0.0, 0.0, config.typical_drop_m]) if self._view is None else camera_position(self._view)
-        )
+        self._image = None if self._view is None else DepthImage.of(self._view)
+        self._camera = np.array([0.0, 0.0, config.typical_drop_m]) if self._image is None else self._image.origin
         heights = [detection.base_T_object[2] for detection in self._detections]
         drop = float(self._camera[2]) - sum(heights) / len(heights) if heights else config.typical_drop_m
         self._camera_covariance = camera_covariance(self._noise, self._camera[:2], drop)
@@ -66,6 +69,7 @@ class Look:
             camera_covariance=upper(self._camera_covariance),
             sightings=sightings,
             missed=tuple(miss for miss in missed if miss.p_reported > 0.0),
+            view=self._view,
         )
 
     # ------------------------------------------------------------ scores
@@ -104,7 +108,16 @@ class Look:
 
     def _new(self, detection: Detection, name: str) -> Sighting:
         measured = Measured(flat(detection.base_T_object), symmetric(detection.covariance))
-        return self._sighting(detection, measured, name, True, self._support_under(detection), 1.0)
+        support = self._support_under(detection)
+        return self._sighting(detection, measured, name, True, support, self._odds_of_real(detection, support))
+
+    def _odds_of_real(self, detection: Detection, support: str | None) -> float:
+        """Return how many times likelier a detection that is of no anchor is of a new object than of nothing."""
+        new, false = self._config.new_per_look, self._noise.false_per_look
+        if support is not None:
+            support_T_object = between(self._graph.relative(BASE, support)[0], flat(detection.base_T_object))
+            new += self._regions.unmet_per_m2(support, support_T_object) * self._config.view_area_m2
+        return min(new / max(false, 1e-300), math.exp(MAX_LOG_ODDS))
 
     def _sighting(
         self, detection: Detection, measured: Measured, anchor: str, new: bool, support: str | None, odds: float
@@ -143,8 +156,8 @@ class Look:
         return best
 
     def _missed(self, expected: Expected) -> Missed:
-        if self._view is None:
+        if self._image is None:
             return Missed(anchor=expected.anchor, p_reported=0.0)
         track, kind = self._tracks[expected.anchor], self._tracks.kind(expected.anchor)
-        seen = prob_visible(self._view, expected.base_T_object, expected.covariance, track.z, kind, self._config)
+        seen = prob_visible(self._image, expected.base_T_object, expected.covariance, track.z, kind, self._config)
         return Missed(anchor=expected.anchor, p_reported=min(1.0, seen * self._noise.found))

@@ -138,20 +138,29 @@ class Tracks:
             support=item.support,
         )
 
-    def _new(self, sighting: Sighting) -> Track:
-        """Return the track of an object first seen: real, or a false detection, at their rates."""
-        names = self._reported()
-        new, false = self._config.new_per_look, self.prior.noise.false_per_look
-        track = self._track(
-            exists=min(new / (new + false), self._config.most_sure),
-            types={name: 1.0 / len(names) for name in names},
-            colour=ColourBelief.of(self.prior.colour, self._colour_sensor()).updated(sighting.detection.rgb),
+    def stranger(self) -> Track:
+        """Return the belief on an arbitrary object that nobody has met yet; where it is means nothing."""
+        return self._track(
+            exists=0.5,
+            types=self.prior.type or dict.fromkeys(self._reported(), 1.0),
+            colour=ColourBelief.of(self.prior.colour, self._colour_sensor()),
             log_weight=self.prior.log_weight,
-            z=sighting.z if sighting.support is None else self.top(sighting.support),
-            support=sighting.support,
+            z=0.0,
+            support=None,
         )
-        track = replace(track, types=track.types.updated(sighting.detection.type_log_likelihood))
-        return track if sighting.support else replace(track, z_variance=sighting.z_sd_m**2)
+
+    def _new(self, sighting: Sighting) -> Track:
+        """Return the track of an object first seen: real or a false detection, otherwise as any object may be."""
+        support, stranger = sighting.support, self.stranger()
+        return replace(
+            stranger,
+            exists=min(after_evidence(stranger.exists, sighting.odds), self._config.most_sure),
+            types=stranger.types.updated(sighting.detection.type_log_likelihood),
+            colour=stranger.colour.updated(sighting.detection.rgb),
+            z=sighting.z if support is None else self.top(support),
+            z_variance=sighting.z_sd_m**2 if support is None else stranger.z_variance,
+            support=support,
+        )
 
     def _track(
         self,

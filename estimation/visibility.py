@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.se2 import turned
-from skolem.traces.messages import DepthView, ObjectType, Pose2
+from skolem.traces.messages import ObjectType, Pose2
 
 Array = NDArray[np.float64]
 HEIGHTS = (0.2, 0.5, 0.8)  # of sampled points, shares of the object's height
@@ -15,20 +16,15 @@ WEIGHTS = (1, 4, 1)  # in sixths
 MIN_KNOWN = 0.5  # share of the points whose depth must have come back
 
 
-def camera_position(view: DepthView) -> Array:
-    """Return where a picture was taken from, shape (3,), metres, base frame."""
-    return np.array(view.base_T_camera[:3])
-
-
 def prob_visible(
-    view: DepthView, base_T_object: Pose2, covariance: Array, z: float, kind: ObjectType, config: EstimatorConfig
+    image: DepthImage, base_T_object: Pose2, covariance: Array, z: float, kind: ObjectType, config: EstimatorConfig
 ) -> float:
     """Return P(an object is in the image, near enough and not hidden).
 
     Averaged over 3 x 3 places along the axes of the position's covariance.
 
     Args:
-        view: The picture.
+        image: The picture.
         base_T_object: Mean.
         covariance: Over (x, y, theta), object frame, shape (3, 3).
         z: Height of its base, metres.
@@ -41,7 +37,7 @@ def prob_visible(
     for i, wi in zip(NODES, WEIGHTS, strict=True):
         for j, wj in zip(NODES, WEIGHTS, strict=True):
             place = np.array([*(np.array(base_T_object[:2]) + steps @ (i, j)), z])
-            total += wi * wj * _is_visible(view, place, kind, config)
+            total += wi * wj * _is_visible(image, place, kind, config)
     return total / 36.0
 
 
@@ -51,20 +47,15 @@ def outline_radius(kind: ObjectType) -> float:
     return x / 2.0 if kind.shape == "cylinder" else 0.5 * float(np.hypot(x, y))
 
 
-def _is_visible(view: DepthView, place: Array, kind: ObjectType, config: EstimatorConfig) -> bool:
+def _is_visible(image: DepthImage, place: Array, kind: ObjectType, config: EstimatorConfig) -> bool:
     """Return whether an object at a place (its base, shape (3,), base frame) would have been reported."""
     radius = outline_radius(kind)
-    points = _to_camera(view, _outline(place, camera_position(view)[:2], radius, kind.size_m[2]))
-    if points[:, 0].min() <= 0.0 or np.linalg.norm(points, axis=1).min() > config.sight_m:
+    points = _outline(place, image.origin[:2], radius, kind.size_m[2])
+    forward, depth = image.read(points)
+    if np.isnan(depth).any() or np.linalg.norm(points - image.origin, axis=1).min() > config.sight_m:
         return False
-    focal = view.rows / 2.0 / np.tan(view.fovy_rad / 2.0)
-    column = np.round(-points[:, 1] / points[:, 0] * focal + view.columns / 2.0).astype(np.int64)
-    row = np.round(-points[:, 2] / points[:, 0] * focal - 1.0 + view.rows / 2.0).astype(np.int64)
-    if column.min() < 0 or row.min() < 0 or column.max() >= view.columns or row.max() >= view.rows:
-        return False
-    depth = np.array(view.depth_mm)[row * view.columns + column] / 1000.0
     known = depth > 0.0
-    through = known & (depth >= points[:, 0] - radius - config.depth_margin_m)
+    through = known & (depth >= forward - radius - config.depth_margin_m)
     return bool(known.mean() >= MIN_KNOWN and through.sum() >= config.seen_share * known.sum())
 
 
@@ -74,16 +65,3 @@ def _outline(place: Array, camera_xy: Array, radius: float, height: float) -> Ar
     across = np.array([-sight[1], sight[0], 0.0]) / max(float(np.hypot(*sight)), 1e-9)
     up = np.array([0.0, 0.0, height])
     return np.array([place + s * radius * across + h * up for h in HEIGHTS for s in SIDES])
-
-
-def _to_camera(view: DepthView, points_base: Array) -> Array:
-    """Return points, shape (n, 3), in the camera frame: x forward, y left, z up."""
-    x, y, z, w = view.base_T_camera[3:]
-    base_R_camera = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    return np.asarray((points_base - camera_position(view)) @ base_R_camera)

@@ -1,6 +1,7 @@
 """The robot's motors in the physics: joints kept where they are, an arm led along a path, fingers closed and opened."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from skolem.traces.messages import TICKS_PER_SECOND, Hand
 
 MOTOR_FORCE = 300.0  # N or Nm, at least: the model's limits count on springs that it does not have
 FINGER_FORCE, TIP_FORCE = 6.0, 20.0  # Nm; 6 at a finger is about 55 N at its tip
+GEAR_FORCE, GEAR_ERP = 100.0, 0.3  # Nm, and the share of a difference between the fingers taken back in a tick
 POSITION_GAIN, VELOCITY_GAIN = 0.3, 1.0
 FINGER_SPEED_RAD = 0.6  # per second
 FINGER_LAG_RAD = 0.05  # fingers this far behind their target press on something
@@ -45,34 +47,56 @@ class Motors:
     def close_fingers(self, hand: Hand) -> None:
         """Close the fingers until both press on something or meet, then keep them there.
 
-        Both have the same target, as linked fingers would: a thing that only one of them touches is pushed along.
+        Both move alike: a thing that only one of them touches is pushed along until it is in the middle.
         """
         target = max(self._fingers(hand)[:2])
-        while target > 0.0:
-            target = max(0.0, target - FINGER_SPEED_RAD / TICKS_PER_SECOND)
-            self._lead_fingers(hand, (target, target))
-            self._world.step()
-            if min(self._fingers(hand)[:2]) - target > FINGER_LAG_RAD:
-                break
-        self.run(FINGER_SETTLE_TICKS)
+        with self._linked_fingers(hand):
+            while target > 0.0 and min(self._fingers(hand)[:2]) - target < FINGER_LAG_RAD:
+                target = max(0.0, target - FINGER_SPEED_RAD / TICKS_PER_SECOND)
+                self._lead_fingers(hand, target)
+                self._world.step()
+            self.run(FINGER_SETTLE_TICKS)
 
     def open_fingers(self, hand: Hand) -> None:
         """Open the fingers."""
         target = min(self._fingers(hand)[:2])
-        while target < FINGER_OPEN_RAD:
-            target = min(FINGER_OPEN_RAD, target + FINGER_SPEED_RAD / TICKS_PER_SECOND)
-            self._lead_fingers(hand, (target, target))
-            self._world.step()
-        self.run(FINGER_SETTLE_TICKS)
+        with self._linked_fingers(hand):
+            while target < FINGER_OPEN_RAD:
+                target = min(FINGER_OPEN_RAD, target + FINGER_SPEED_RAD / TICKS_PER_SECOND)
+                self._lead_fingers(hand, target)
+                self._world.step()
+            self.run(FINGER_SETTLE_TICKS)
+
+    @contextmanager
+    def _linked_fingers(self, hand: Hand) -> Iterator[None]:
+        """Make both fingers of a hand move alike, as their linkage does; PyBullet ignores the model's `<mimic>`.
+
+        Only while they move: the gear would falsify what the wrist feels.
+        """
+        left, right = (self._robot.joint[name] for name in FINGERS[hand][:2])
+        gear = p.createConstraint(
+            self._robot.id,
+            left,
+            self._robot.id,
+            right,
+            p.JOINT_GEAR,
+            (1.0, 0.0, 0.0),
+            (0.0, 0.0, 0.0),
+            (0.0, 0.0, 0.0),
+            physicsClientId=self._robot.client,
+        )
+        p.changeConstraint(gear, gearRatio=-1.0, erp=GEAR_ERP, maxForce=GEAR_FORCE, physicsClientId=self._robot.client)
+        yield
+        p.removeConstraint(gear, physicsClientId=self._robot.client)
 
     def _fingers(self, hand: Hand) -> tuple[float, ...]:
         return self._robot.joints(FINGERS[hand])
 
-    def _lead_fingers(self, hand: Hand, targets: tuple[float, float]) -> None:
-        """Set the targets of both fingers; the tips follow the fingers, so that their pads stay parallel."""
+    def _lead_fingers(self, hand: Hand, target: float) -> None:
+        """Set the target of both fingers; the tips follow the fingers, so that their pads stay parallel."""
         indices = [self._robot.joint[name] for name in FINGERS[hand]]
         tips = self._fingers(hand)[:2]
-        self._drive(indices, [*targets, *tips], [FINGER_FORCE, FINGER_FORCE, TIP_FORCE, TIP_FORCE])
+        self._drive(indices, [target, target, *tips], [FINGER_FORCE, FINGER_FORCE, TIP_FORCE, TIP_FORCE])
 
     def _drive(self, indices: Sequence[int], targets: Sequence[float], forces: Sequence[float]) -> None:
         p.setJointMotorControlArray(

@@ -17,10 +17,20 @@ from pydantic import BaseModel, ValidationError
 from skolem.sim.poses import compose2, wrap
 from skolem.sim.scenario_checks import mistakes, placed
 from skolem.sim.scenario_document import Address, Document, load_document, nearest
-from skolem.sim.scenario_models import BelievedObject, ColourPrior, LogNormal, Scenario, WorldObject
+from skolem.sim.scenario_models import BelievedObject, BelievedRegion, ColourPrior, LogNormal, Scenario, WorldObject
 from skolem.sim.truth import TrueBody
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.messages import HsvBelief, NoiseModel, ObjectType, Pose2, Pose4, Prior, PriorObject, RobotState
+from skolem.traces.messages import (
+    HsvBelief,
+    NoiseModel,
+    ObjectType,
+    Pose2,
+    Pose4,
+    Prior,
+    PriorObject,
+    PriorRegion,
+    RobotState,
+)
 
 __all__ = ["Document", "Scenario", "check", "load_document", "moves_before", "prior", "schema_text", "true_bodies"]
 
@@ -111,7 +121,9 @@ def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Pri
         base_sd_theta_rad=sd.theta_rad,
         robot=robot,
         objects=tuple(told.values()),
+        regions=tuple(_region(item, scenario) for item in scenario.belief.regions),
         types=dict(types),
+        type=dict(scenario.priors.type or {}),
         colour=_hsv(scenario.priors.colour),
         log_weight=_log_weight(scenario.priors.log_weight),
         noise=believed_noise(scenario),
@@ -152,6 +164,11 @@ def _told(
         colour=None if item.colour is None else _hsv(item.colour),
         log_weight=None if item.log_weight is None else _log_weight(item.log_weight),
     )
+
+
+def _region(item: BelievedRegion, scenario: Scenario) -> PriorRegion:
+    expected = scenario.priors.objects_per_region if item.objects is None else item.objects
+    return PriorRegion(anchor=item.id, support=item.on, height_m=item.height_m, expected_objects=expected)
 
 
 def _perturbed(world_T_thing: Pose2, sd_xy: float, sd_theta: float, noise: list[float]) -> Pose2:

@@ -5,6 +5,7 @@ mistakes of single values: an entry that is broken in itself is left out of the 
 """
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
@@ -13,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 from skolem.sim.footprints import Footprint, footprint, overhang, overlaps
 from skolem.sim.poses import compose2
 from skolem.sim.scenario_document import Address, nearest
-from skolem.sim.scenario_models import BasePose, BelievedObject, Disturbance, Place, WorldObject
+from skolem.sim.scenario_models import REGION_NAME, BasePose, BelievedObject, Disturbance, Place, WorldObject
 from skolem.traces.messages import ObjectType, Pose2
 
 M = TypeVar("M", bound=BaseModel)
@@ -28,6 +29,8 @@ def mistakes(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
     world = _readable(values, ("world",), WorldObject)
     yield from _names(values, ("world",))
     yield from _names(values, ("belief", "objects"))
+    yield from _regions(values, types)
+    yield from _types_of_strangers(values, types)
     yield from _world_types(values, types)
     yield from _supports(values, types)
     yield from _belief(values, types)
@@ -73,16 +76,20 @@ def _ids(values: Mapping[str, Any], address: tuple[str, ...]) -> list[str]:
 
 
 def _names(values: Mapping[str, Any], address: tuple[str, ...]) -> Iterator[Mistake]:
+    yield from _twice(values, address)
+    for i, row in _rows(values, address):
+        if isinstance(name := row.get("id"), str) and name.startswith("_"):
+            yield (*address, i, "id"), OWN_ANCHOR
+
+
+def _twice(values: Mapping[str, Any], address: tuple[str, ...]) -> Iterator[Mistake]:
     first: dict[str, int] = {}
     for i, row in _rows(values, address):
         name = row.get("id")
-        if not isinstance(name, str):
-            continue
-        if name in first:
+        if isinstance(name, str) and name in first:
             yield (*address, i, "id"), f"'{name}' is already the name of {'.'.join(address)}[{first[name]}]"
-        if name.startswith("_"):
-            yield (*address, i, "id"), OWN_ANCHOR
-        first.setdefault(name, i)
+        elif isinstance(name, str):
+            first[name] = i
 
 
 def _world_types(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
@@ -125,9 +132,7 @@ def _is_table(kind: str, types: Types) -> bool:
 def _belief(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
     address = ("belief", "objects")
     true_ids = _ids(values, ("world",))
-    believed = {item.id: item for item in _readable(values, address, BelievedObject).values()}
-    kinds: dict[str, str | None] = dict.fromkeys(_ids(values, address))
-    kinds |= {name: max(item.type, key=item.type.__getitem__, default="") for name, item in believed.items()}
+    kinds = _believed_kinds(values)
     for i, row in _rows(values, address):
         yield from _type_shares((*address, i, "type"), row.get("type"), types)
         name, like, at, on = row.get("id"), row.get("like"), row.get("at"), row.get("on")
@@ -141,6 +146,33 @@ def _belief(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
             yield from _support((*address, i, "on"), on, str(name), kinds, types)
             if on in kinds and on not in _ids(values, address)[:i]:
                 yield (*address, i, "on"), f"'{on}' must stand before '{name}' in the list"
+
+
+def _believed_kinds(values: Mapping[str, Any]) -> dict[str, str | None]:
+    """Return the most likely type of each object the robot is told of; None where that cannot be read."""
+    address = ("belief", "objects")
+    believed = {item.id: item for item in _readable(values, address, BelievedObject).values()}
+    kinds: dict[str, str | None] = dict.fromkeys(_ids(values, address))
+    return kinds | {name: max(item.type, key=item.type.__getitem__, default="") for name, item in believed.items()}
+
+
+def _regions(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
+    address, kinds = ("belief", "regions"), _believed_kinds(values)
+    yield from _twice(values, address)
+    for i, row in _rows(values, address):
+        if isinstance(name := row.get("id"), str) and name.startswith("_") and not re.match(REGION_NAME, name):
+            yield (*address, i, "id"), f"'{name}' is not the name of a region; those have the form _reg1_"
+        if isinstance(on := row.get("on"), str):
+            yield from _support((*address, i, "on"), on, str(row.get("id")), kinds, types)
+
+
+def _types_of_strangers(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
+    priors = values.get("priors")
+    shares = priors.get("type") if isinstance(priors, dict) else None
+    yield from _type_shares(("priors", "type"), shares, types)
+    for kind in shares if isinstance(shares, dict) else ():
+        if kind in types and not types[kind].graspable:
+            yield ("priors", "type", kind), f"a {kind} cannot be grasped: only such things may be met unannounced"
 
 
 def _type_shares(address: Address, shares: Any, types: Types) -> Iterator[Mistake]:

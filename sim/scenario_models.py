@@ -19,6 +19,8 @@ Name = Annotated[
     str,
     Field(pattern=r"^[a-z][A-Za-z0-9_]*$", max_length=64, description="a name given from outside: a rigid designator"),
 ]
+REGION_NAME = r"^_reg\d+_$"
+RegionName = Annotated[str, Field(pattern=REGION_NAME, max_length=64, description="the name of a region: _reg1_")]
 Place = Annotated[
     tuple[Number, Number, Number],
     Field(description="x, y [m], theta [rad]: in the world, or from the centre of the top of `on`"),
@@ -51,6 +53,13 @@ class Priors(Model):
 
     log_weight: LogNormal
     colour: ColourPrior
+    type: Annotated[
+        dict[str, Fraction] | None,
+        Field(description="probability of each type of what can be grasped; they sum to 1; null: all alike"),
+    ] = None
+    objects_per_region: Annotated[
+        NonNegative, Field(description="how many objects nobody has told of are expected in a region")
+    ] = 0.5
 
 
 class DepthNoise(Model):
@@ -199,11 +208,26 @@ class BelievedObject(Model):
     log_weight: LogNormal | None = None
 
 
+class BelievedRegion(Model):
+    """A region the robot may search: the air above the top of a support it is told of."""
+
+    id: RegionName
+    on: Annotated[Name, Field(description="a table the robot is told of")]
+    height_m: Positive
+    objects: Annotated[
+        NonNegative | None,
+        Field(
+            description="how many objects the robot is not told of it expects there; null: priors.objects_per_region"
+        ),
+    ] = None
+
+
 class InitialBelief(Model):
     """What the robot is told before it starts; the names are rigid designators."""
 
     defaults: BeliefDefaults
     objects: tuple[BelievedObject, ...]
+    regions: tuple[BelievedRegion, ...] = ()
 
 
 class Expect(Model):

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.random import PCG64, Generator, SeedSequence
 from numpy.typing import NDArray
 
+from skolem.sim.cloud import misplaced
 from skolem.sim.detection_noise import worsen
 from skolem.sim.detector import Seen, canonical_order, pose_covariance
 from skolem.sim.fitting import HEIGHT_SD_M, MODEL_SD_M, RESIDUAL_SD_M, UNKNOWN_YAW_SD_RAD

@@ -21,7 +21,7 @@ from skolem.traces.reader import Trace
 ROOT = Path(__file__).parent.parent
 GREEN = str(ROOT / "scenarios" / "sim1_green.yaml")
 COMMAND = [sys.executable, "-c", "import sys; from skolem.tools.cli import main; sys.exit(main())"]
-HEAVY = ("numpy", "scipy", "gtsam", "pybullet", "rerun", "clingo", "mcap", "pydantic", "ompl", "rich", "ruamel")
+HEAVY = ("numpy", "scipy", "gtsam", "pybullet", "rerun", "clingo", "mcap", "pydantic", "ompl", "rich", "ruamel", "dask")
 JSON_FIELDS = [
     "scenario",
     "seed",
@@ -100,13 +100,13 @@ def test_version_is_that_of_the_package(monkeypatch: pytest.MonkeyPatch, capsys:
     ("args", "said"),
     [
         (["rum"], "no verb 'rum'; did you mean 'run'?"),
-        (["zzz"], "no verb 'zzz'; there are: run, scenario, results"),
+        (["zzz"], "no verb 'zzz'; there are: run, scenario, sweep"),
         (["run", GREEN, "--sede", "1"], "No such option"),
         (["run", GREEN, "--seed", "-1"], "--seed"),
         (["run", "nowhere.yaml"], "nowhere.yaml: cannot be read: No such file or directory"),
         (["run", GREEN, "--set", "robot.torso_m=2"], "--set robot.torso_m=2: robot.torso_m: Input should be less"),
         (["run", GREEN, "--images", "--world", "symbolic"], "--images: the symbolic world has no camera"),
-        (["results", GREEN, "--seeds", "9-0"], "--seeds: expected A-B with A <= B"),
+        (["sweep", GREEN, "-o", "x", "--seeds", "9-0"], "--seeds: expected A-B with A <= B"),
     ],
 )
 def test_bad_input_exits_with_2_and_says_what_was_expected(

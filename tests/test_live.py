@@ -7,6 +7,7 @@ import pytest
 from rich.console import Console
 
 from skolem.reasoner.agent import Turn
+from skolem.reasoner.goals import Closest
 from skolem.tools.live import Lines, Picture, belief_rows, drop_text, plan_lines, size_of, watcher_for
 from skolem.tools.session import prepare
 from skolem.traces.messages import (
@@ -123,9 +124,9 @@ def test_dropped_plans_say_which_fluents_became_false() -> None:
 def test_a_line_per_executed_action_goes_to_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
     with Lines() as lines:
         lines.believed(belief(), 0)
-        lines.decided(Turn(plans=[PLAN], action=LOOK))
+        lines.decided(Turn(Closest(), plans=[PLAN], action=LOOK))
         lines.acted(LOOK, DONE, Observation(step=4, kind="look", detections=(SEEN,)))
-        lines.decided(Turn(action=LOOK))
+        lines.decided(Turn(Closest(), action=LOOK))
         lines.acted(LOOK, DONE, Observation(step=4, kind="look"))
         wrench = Wrench(hand="right", force_newton=(0.1, 0.0, -3.4), samples=48)
         lines.acted(LOOK, DONE, Observation(step=4, kind="weigh", wrench=wrench))
@@ -143,13 +144,13 @@ def test_the_picture_on_a_terminal_shows_belief_plans_and_progress() -> None:
     drawn = io.StringIO()
     with Picture(setup, Console(file=drawn, force_terminal=True, width=120, color_system="truecolor")) as picture:
         picture.believed(belief(_o2_=known(colour_seen=True), _o3_=known(exists=0.1)), 480)
-        picture.decided(Turn(plans=[PLAN], decisions=[DECISION], action=LOOK))
+        picture.decided(Turn(Closest(), plans=[PLAN], decisions=[DECISION], action=LOOK))
         picture.acted(LOOK, DONE, Observation(step=4, kind="look", detections=(SEEN,)))
         plain = Console(file=io.StringIO(), width=120)
         with plain.capture() as captured:
             plain.print(picture.picture())
         end = RunEnd(status="goal_achieved", steps=5, reason="every conjunct is believed", goal_probability=0.98)
-        picture.decided(Turn(end=end))
+        picture.decided(Turn(Closest(), end=end))
     text = captured.get()
     for expected in (
         "goal  exists o.",

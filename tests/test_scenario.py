@@ -214,6 +214,72 @@ def test_objects_told_at_a_place_stand_on_the_table_as_it_is_believed(rulebook: 
     assert told["rumour"].world_T_object == pytest.approx(there)
 
 
+REGIONS = """  regions:
+    - {id: _reg1_, on: table1, height_m: 0.3, objects: 0.25}
+    - {id: _reg2_, on: table2, height_m: 0.25}
+"""
+
+
+def with_regions(folder: Path, regions: str = REGIONS, priors: str = "") -> Path:
+    text = GREEN.read_text(encoding="utf-8").replace("priors:", f"priors:\n{priors}#", 1)
+    return written(folder, text.replace("\nexpect:", f"{regions}\nexpect:"))
+
+
+def test_regions_and_types_of_strangers_reach_the_prior(rulebook: Rulebook, tmp_path: Path) -> None:
+    path = with_regions(tmp_path, priors="  type: {soda: 0.6, bottle: 0.4}\n  objects_per_region: 0.7\n")
+    told = prior(read(rulebook, path), rulebook.vocabulary.types, 0, AT_START)
+    assert [(r.anchor, r.support, r.height_m, r.expected_objects) for r in told.regions] == [
+        ("_reg1_", "table1", 0.3, 0.25),
+        ("_reg2_", "table2", 0.25, 0.7),
+    ]
+    assert told.type == {"soda": 0.6, "bottle": 0.4}
+    plain = prior(read(rulebook, GREEN), rulebook.vocabulary.types, 0, AT_START)
+    assert (plain.regions, plain.type) == ((), {})
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ("{id: _reg1_, on: table1, height_m: 1}", "belief.regions.1.id: '_reg1_' is already the name of belief.regi"),
+        (
+            "{id: _o1_, on: table1, height_m: 1}",
+            "regions.1.id: '_o1_' is not the name of a region; those have the form",
+        ),
+        (
+            "{id: shelf, on: table1, height_m: 1}",
+            "regions.1.id: String should match pattern '^_reg\\d+_$' (got 'shelf')",
+        ),
+        ("{id: _reg2_, on: tabel1, height_m: 1}", "regions.1.on: no object 'tabel1'; did you mean 'table1'?"),
+        (
+            "{id: _reg2_, on: sodaE, height_m: 1}",
+            "regions.1.on: 'sodaE' is a soda, which has no top to stand on; there",
+        ),
+        ("{id: _reg2_, on: table1, height_m: 0}", "regions.1.height_m: Input should be greater than 0"),
+        ("{id: _reg2_, on: table1, height_m: 1, objects: -1}", "objects: Input should be greater than or equal to 0"),
+    ],
+)
+def test_a_wrong_region_is_refused(wrong: str, said: str, rulebook: Rulebook, tmp_path: Path) -> None:
+    regions = f"  regions:\n    - {{id: _reg1_, on: table1, height_m: 0.3}}\n    - {wrong}\n"
+    with pytest.raises(InputError) as caught:
+        read(rulebook, with_regions(tmp_path, regions))
+    assert said in str(caught.value)
+    assert len(caught.value.faults) == 1
+
+
+@pytest.mark.parametrize(
+    ("shares", "said"),
+    [
+        ("{soda: 0.6}", "priors.type: probabilities sum to 0.6, expected 1"),
+        ("{sodda: 1.0}", "priors.type.sodda: no type 'sodda'; did you mean 'soda'?"),
+        ("{table: 1.0}", "priors.type.table: a table cannot be grasped"),
+    ],
+)
+def test_wrong_types_of_strangers_are_refused(shares: str, said: str, rulebook: Rulebook, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        read(rulebook, with_regions(tmp_path, priors=f"  type: {shares}\n"))
+    assert said in str(caught.value)
+
+
 def test_the_model_of_the_noise_may_differ_from_the_noise(rulebook: Rulebook, tmp_path: Path) -> None:
     lines = GREEN.read_text(encoding="utf-8").splitlines(keepends=True)
     start, end = lines.index(next(x for x in lines if x.startswith("noise:"))), 0

@@ -223,7 +223,7 @@ def test_the_depth_image_has_the_pixel_convention_of_its_message() -> None:
     frame, table = camera(0.2, *head), Solid("t", TYPES["table"], (1.3, 0.0, 0.0, 0.0))
     view = depth_view(frame, [table], frame)
     focal = view.rows / 2 / math.tan(view.fovy_rad / 2)
-    row, column = 14, 20
+    row, column = view.rows // 2 - 1, view.columns // 2
     ray = np.array([1.0, -(column - view.columns / 2) / focal, -(row + 1 - view.rows / 2) / focal])
     hit = frame.origin + frame.axes @ ray * view.depth_mm[row * view.columns + column] / 1000
     assert hit == pytest.approx((1.3, 0.0, 0.68), abs=1e-3)

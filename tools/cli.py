@@ -14,7 +14,10 @@ from typer.core import TyperGroup
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "run": ("skolem.tools.run", "Run a scenario and record it as a trace."),
     "scenario": ("skolem.tools.scenario_check", "Check scenario files, or print their JSON Schema."),
-    "results": ("skolem.tools.results", "Run a scenario for many seeds and write a table of how it went."),
+    "sweep": (
+        "skolem.tools.sweep",
+        "Run scenarios for many seeds, several at a time, and write tables of how it went.",
+    ),
 }
 BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
 

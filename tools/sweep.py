@@ -1,11 +1,13 @@
 """The verb `sweep`."""
 
+import json as json_format
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from skolem.tools.run import WorldChoice
+from skolem.tools.run import WorldChoice, fault_rows
+from skolem.traces.errors import Fault, InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -31,7 +33,9 @@ def sweep(
     ] = None,
     write: Annotated[
         Path | None,
-        typer.Option(help="Markdown file to put each scenario's account into; other accounts in it stay."),
+        typer.Option(
+            help="Markdown file to put each scenario's account into, once all runs are done; others in it stay."
+        ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object per run, and only that.")] = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress.")] = False,
@@ -43,7 +47,12 @@ def sweep(
     """
     from skolem.tools import sweeping
 
-    plan = sweeping.plan(scenarios, sweeping.seed_range(seeds), world.value, set_ or [])
-    if workers is not None and scheduler is not None:
-        raise typer.BadParameter("give --workers or --scheduler, not both")
-    raise typer.Exit(sweeping.execute(plan, out, workers or 2, scheduler, write, json, quiet))
+    try:
+        if workers is not None and scheduler is not None:
+            raise InputError([Fault("--scheduler", 0, 0, "give --workers or --scheduler, not both")])
+        plan = sweeping.plan(scenarios, sweeping.seed_range(seeds), world.value, set_ or [])
+        raise typer.Exit(sweeping.execute(plan, out, workers or 2, scheduler, write, json, quiet))
+    except InputError as error:
+        if json:
+            print(json_format.dumps({"status": "bad_input", "faults": fault_rows(error)}))
+        raise

@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 import dask
 from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
 
+from skolem.tools import sweep_task
 from skolem.tools.sweep_rows import lost_row
 from skolem.tools.sweep_task import Finished, Task, WorkerRefusedError, run_on_worker
 from skolem.traces.errors import Fault, InputError, InternalError
@@ -36,6 +37,8 @@ def local_workers(count: int) -> Iterator[Client]:
             processes=True,
             host="127.0.0.1",
             dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # of its state server; the default port is one only
+            preload=[sweep_task.__name__],
             memory_limit=None,
             local_directory=folder,
             silence_logs=logging.ERROR,
@@ -57,11 +60,13 @@ def workers_of(scheduler: str) -> Iterator[Client]:
         try:
             client = Client(scheduler, timeout=CONNECT_S)
         except (OSError, ValueError, TypeError) as error:
-            raise InputError([Fault("--scheduler", 0, 0, f"no scheduler answers at '{scheduler}': {error}")]) from None
+            raise _refused(f"no scheduler answers at '{scheduler}': {error}") from None
         with client:
-            if not client.scheduler_info(n_workers=-1)["workers"]:
+            try:
+                client.wait_for_workers(1, timeout=CONNECT_S)
+            except TimeoutError:
                 said = f"no worker has joined {scheduler}; start some: dask worker {scheduler} --nthreads 1"
-                raise InputError([Fault("--scheduler", 0, 0, said)])
+                raise _refused(said) from None
             yield client
 
 
@@ -89,8 +94,12 @@ def _finished(future: Future[Finished], task: Task) -> Finished:
         return finished
     error = future.exception()
     if isinstance(error, WorkerRefusedError):
-        raise InputError([Fault("--scheduler", 0, 0, str(error))])
+        raise _refused(str(error))
     if status != "error":
         raise InternalError("the scheduler was lost; the finished runs are kept, the same command does the others")
     reason = f"{ATTEMPTS} workers died of it" if isinstance(error, KilledWorker) else f"{type(error).__name__}: {error}"
     return Finished(lost_row(task.start, reason), b"")
+
+
+def _refused(said: str) -> InputError:
+    return InputError([Fault("--scheduler", 0, 0, said)])

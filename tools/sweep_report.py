@@ -44,6 +44,11 @@ class Part:
     rows: Sequence[Row]
 
     @property
+    def key(self) -> str:
+        """What tells this account from others in one file."""
+        return " ".join([self.name, self.world, *self.overrides])
+
+    @property
     def title(self) -> str:
         """Name, world and overrides in one line."""
         return ", ".join([self.name, f"{self.world} world", *self.overrides])

@@ -4,6 +4,7 @@ Nothing is assumed of a shared file system. The worker is the same program as th
 """
 
 import hashlib
+import signal
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -95,6 +96,11 @@ def done_before(task: Task, folder: Path) -> Row | None:
     except TraceError:
         return None
     return row if row is not None and row.status in BY_ITSELF else None
+
+
+def dask_setup(worker: object) -> None:
+    """Leave Ctrl-C to the process that asks; dask calls this in each process that it starts on this machine."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def run_on_worker(task: Task) -> Finished:

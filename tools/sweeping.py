@@ -83,7 +83,7 @@ def execute(
     finally:
         with interrupts_held():
             parts = _parts(plan, rows)
-            _write_tables(parts, out, write)
+            _write_tables(parts, out, write if len(rows) == len(plan.tasks) else None)
     found = [row for part in parts for row in part.rows]
     if json:
         for row in found:
@@ -127,6 +127,7 @@ def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
 
 
 def _write_tables(parts: Sequence[Part], out: Path, write: Path | None) -> None:
+    """Write the tables of the sweep, and the accounts into the file `write`: of complete sweeps alone."""
     rows = [row for part in parts for row in part.rows]
     put(out / "results.csv", results_csv(rows).encode())
     put(out / "times.csv", times_csv(rows).encode())
@@ -134,5 +135,5 @@ def _write_tables(parts: Sequence[Part], out: Path, write: Path | None) -> None:
     if write is not None:
         text = write.read_text(encoding="utf-8") if write.exists() else "# Results\n"
         for part in parts:
-            text = with_section(text, part.title, section(part))
+            text = with_section(text, part.key, section(part))
         put(write, text.encode())
