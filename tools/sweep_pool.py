@@ -92,12 +92,16 @@ def _finished(future: Future[Finished], task: Task) -> Finished:
     if status == "finished":
         finished: Finished = future.result()
         return finished
+    if status != "error":
+        raise InternalError("the scheduler was lost; the finished runs are kept, the same command does the others")
     error = future.exception()
     if isinstance(error, WorkerRefusedError):
         raise _refused(str(error))
-    if status != "error":
-        raise InternalError("the scheduler was lost; the finished runs are kept, the same command does the others")
-    reason = f"{ATTEMPTS} workers died of it" if isinstance(error, KilledWorker) else f"{type(error).__name__}: {error}"
+    reason = (
+        f"each of the {ATTEMPTS} workers that tried it died"
+        if isinstance(error, KilledWorker)
+        else f"{type(error).__name__}: {error}"
+    )
     return Finished(lost_row(task.start, reason), b"")
 
 
