@@ -18,14 +18,26 @@ CHAIN = (("z", 0.1), ("y", 0.0), ("x", 0.4), ("y", 0.0), ("x", 0.321), ("y", 0.0
 
 def base_T_tool(robot: RobotState, hand: Hand) -> NDArray[np.float64]:
     """Return the pose of a hand's tool frame (x along the fingers) in the base frame, shape (4, 4)."""
+    return _frames(robot, hand)[-1]
+
+
+def joints_base(robot: RobotState, hand: Hand) -> NDArray[np.float64]:
+    """Return where shoulder, joints and tool frame of an arm are, from the shoulder on, shape (8, 3), base frame."""
+    return np.array([frame[:3, 3] for frame in _frames(robot, hand)])
+
+
+def _frames(robot: RobotState, hand: Hand) -> list[NDArray[np.float64]]:
+    """Return the frames of the shoulder and of the ends of all links, each of shape (4, 4), base frame."""
     side = -1.0 if hand == "right" else 1.0
     pose = np.eye(4)
     pose[:3, 3] = (SHOULDER_X_M, side * SHOULDER_Y_M, SHOULDER_Z_M + robot.torso)
     angles = robot.right_arm if hand == "right" else robot.left_arm
+    frames = [pose]
     for (axis, length), angle in zip(CHAIN, angles, strict=True):
         pose = pose @ _turn(axis, angle)
         pose[:3, 3] += length * pose[:3, 0]
-    return pose
+        frames.append(pose)
+    return frames
 
 
 def upright(x: float, y: float, z: float, theta: float) -> NDArray[np.float64]:

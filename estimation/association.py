@@ -63,12 +63,12 @@ def match(believed: Pose2, covariance: Matrix, measured: Measured) -> Match:
     return Match(distance2, -0.5 * (distance2 + float(np.linalg.slogdet(math.tau * spread)[1])))
 
 
-def assign(scores: Array, unmatched: float) -> tuple[int | None, ...]:
+def assign(scores: Array, unmatched: Array) -> tuple[int | None, ...]:
     """Return for each detection its anchor's column, or None for a new one, maximising the sum of scores.
 
     Args:
         scores: Log-likelihood ratio of each (detection, anchor) pair, shape (n, m); -inf where they cannot be one.
-        unmatched: Score of a detection that is of no anchor.
+        unmatched: Score of each detection if it is of no anchor, shape (n,).
     """
     n, m = scores.shape
     cost = np.full((n, m + n), FORBIDDEN)

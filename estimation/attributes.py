@@ -28,7 +28,7 @@ class TypeBelief:
 
     Attributes:
         probabilities: Of each type; they sum to 1.
-        readings: Types that the detector can report, sorted.
+        readings: Types that the detector takes for one another, sorted.
         right: P(the type reported is the true one).
     """
 
@@ -37,7 +37,12 @@ class TypeBelief:
     right: float
 
     def likelihood(self, true: str, reported: str) -> float:
-        """Return P(reported | true): `right`, and errors spread evenly over the other types."""
+        """Return P(reported | true): `right`, and errors spread evenly over the other types that things are taken for.
+
+        What is none of these types is never taken for one, nor they for it.
+        """
+        if true not in self.readings or reported not in self.readings:
+            return float(true == reported)
         if true == reported:
             return self.right
         return (1.0 - self.right) / max(1, len(self.readings) - 1)

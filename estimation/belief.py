@@ -143,9 +143,13 @@ class Belief:
         """The anchor on whose top the region lies."""
         return self._regions[region].told.support
 
+    def support(self, anchor: str) -> str | None:
+        """What the object most likely rests on; None: the floor, nothing known, or a hand."""
+        return self._tracks[anchor].support
+
     def prob_contents(self, region: str) -> float:
         """BContents: the part of the region that has been seen, known objects taken out."""
-        return self._regions[region].coverage.contents
+        return self._regions.prob_contents(region)
 
     def prob_exists_in(self, region: str, match: float) -> float:
         """P(the unseen part of the region holds an object with a property that an arbitrary one has with p = match)."""
@@ -186,7 +190,7 @@ class Belief:
 
     def prob_detected(self, anchor: str) -> float:
         """P(a look at the object reports it | it exists and is in view); 0 for what the detector does not look for."""
-        return self._tracks.prior.noise.found if self.graspable(anchor) else 0.0
+        return self._tracks.prior.noise.found if self._tracks.is_reported(anchor) else 0.0
 
     def prob_type_right(self) -> float:
         """P(a look reports the true type | it reports the object)."""

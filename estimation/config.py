@@ -14,17 +14,26 @@ class EstimatorConfig:
         retired: Existence below which an anchor is no longer matched with detections.
         gate: Squared Mahalanobis distance beyond which a detection is of something else: chi-square, 3 degrees, .999.
         new_per_look: Expected number of real objects per look of which the robot had no anchor.
+        new_tables_per_look: The same for tables: rooms have few.
         view_area_m2: Floor area over which false detections and unknown objects are spread.
         seen_share: Share of an object's outline that must be in sight for the detector to report it.
         depth_margin_m: Something nearer than an object's front by more than this hides it; camera and fit errors.
         sight_m: Distance from the camera beyond which objects are not detected.
         voxel_m: Edge of the voxels in which regions are searched: about half of the thinnest thing that is looked for.
         voxel_margin_m: A reading this much before the centre of a voxel still shows it empty; the depth's error.
+        hit_margin_m: A reading nearer than this to a support or to an object that is believed to be there has hit that,
+            and not something unknown; voxels and the edges of objects.
+        hit_sds: Added to it, times the sd that the camera's calibration error gives a place.
+        arm_m: A reading this near the axis of an arm has hit the arm, or what is in its hand.
+        least_hits: Fewer readings in a region than this are errors at edges.
+        solid_is_thing: P(what was hit in a region is of a type that is looked for), before the detector's word.
         unseen_points: Most points by which a snapshot tells the unseen part of a region.
         typical_range_m: Horizontal distance from which the robot looks at what it examines.
         typical_drop_m: How far below the camera things stand: a head at 1.4 m, a table at 0.7 m.
         fit_sd_m: Of a detection's place beside the camera's error.
         fit_sd_rad: Of the heading of a box beside the camera's error.
+        table_sd_m: Of a table's place beside the camera's error.
+        table_sd_rad: The same for its heading.
         unknown_heading_sd_rad: Of the heading of a cylinder, uniform over the circle: pi / sqrt(3).
         height_sd_m: Of where the base of a resting object is, given its support.
         height_tolerance_m: Height above a support's top up to which an object can be resting on it.
@@ -48,17 +57,25 @@ class EstimatorConfig:
     retired: float = 1e-3
     gate: float = 16.266
     new_per_look: float = 0.05
+    new_tables_per_look: float = 1e-3
     view_area_m2: float = 1.0
     seen_share: float = 0.75
     depth_margin_m: float = 0.03
     sight_m: float = 2.4
     voxel_m: float = 0.03
     voxel_margin_m: float = 0.01
+    hit_margin_m: float = 0.03
+    hit_sds: float = 2.5
+    arm_m: float = 0.2
+    least_hits: int = 4
+    solid_is_thing: float = 0.9
     unseen_points: int = 64
     typical_range_m: float = 1.0
     typical_drop_m: float = 0.7
     fit_sd_m: float = 0.002
     fit_sd_rad: float = 0.05
+    table_sd_m: float = 0.01
+    table_sd_rad: float = 0.01
     unknown_heading_sd_rad: float = 1.8138
     height_sd_m: float = 0.003
     height_tolerance_m: float = 0.03

@@ -55,5 +55,10 @@ def expected_look(base_T_object: Pose2, kind: ObjectType, noise: NoiseModel, con
     bearing, reach = math.atan2(y, x), config.typical_range_m
     pose = (reach * math.cos(bearing), reach * math.sin(bearing), theta)
     camera = camera_covariance(noise, np.zeros(2), config.typical_drop_m)
-    heading = config.unknown_heading_sd_rad if kind.shape == "cylinder" else config.fit_sd_rad
-    return at_object(camera, pose) + np.diag([config.fit_sd_m**2, config.fit_sd_m**2, heading**2])
+    sds = {
+        "box": (config.fit_sd_m, config.fit_sd_rad),
+        "cylinder": (config.fit_sd_m, config.unknown_heading_sd_rad),
+        "table": (config.table_sd_m, config.table_sd_rad),
+    }
+    place, heading = sds[kind.shape]
+    return at_object(camera, pose) + np.diag([place**2, place**2, heading**2])

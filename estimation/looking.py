@@ -16,7 +16,7 @@ from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, flat, symmetric, turned, upper
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.visibility import prob_visible
-from skolem.traces.messages import Detection, NoiseModel, Observation, Pose2
+from skolem.traces.messages import Detection, NoiseModel, ObjectType, Observation, Pose2
 
 LIKELY = 0.5  # a new object stands on the table that more likely than not is under it
 
@@ -43,7 +43,7 @@ class Look:
         self._expected = tuple(Expected(a, *graph.relative(BASE, a)) for a in tracks.detectable())
         self._image = None if self._view is None else DepthImage.of(self._view)
         self._camera = np.array([0.0, 0.0, config.typical_drop_m]) if self._image is None else self._image.origin
-        heights = [detection.base_T_object[2] for detection in self._detections]
+        heights = [self._height(detection) for detection in self._detections]
         drop = float(self._camera[2]) - sum(heights) / len(heights) if heights else config.typical_drop_m
         self._camera_covariance = camera_covariance(self._noise, self._camera[:2], drop)
 
@@ -56,13 +56,16 @@ class Look:
                 for d, row in zip(self._detections, matches, strict=True)
             ]
         )
-        columns = assign(scores.reshape(len(self._detections), len(self._expected)), self._unmatched())
+        unmatched = np.array([self._unmatched(d) for d in self._detections])
+        columns = assign(scores.reshape(len(self._detections), len(self._expected)), unmatched)
+        met = [column is not None or self._can_be_new(d) for d, column in zip(self._detections, columns, strict=True)]
         names = iter(self._tracks.new_names(columns.count(None)))
         sightings = tuple(
             self._new(detection, next(names))
             if column is None
             else self._known(detection, self._expected[column], row[column])
-            for detection, column, row in zip(self._detections, columns, matches, strict=True)
+            for detection, column, row, keep in zip(self._detections, columns, matches, met, strict=True)
+            if keep
         )
         missed = tuple(self._missed(e) for i, e in enumerate(self._expected) if i not in columns)
         return Looked(
@@ -71,6 +74,17 @@ class Look:
             missed=tuple(miss for miss in missed if miss.p_reported > 0.0),
             view=self._view,
         )
+
+    def _table(self, detection: Detection) -> ObjectType | None:
+        """Return the type of a detected table, None for a thing."""
+        likelihood = detection.type_log_likelihood
+        kind = self._tracks.prior.types[min(likelihood, key=lambda name: (-likelihood[name], name))]
+        return kind if kind.shape == "table" else None
+
+    def _height(self, detection: Detection) -> float:
+        """Return at which height a detected thing stands, or a table was seen."""
+        table = self._table(detection)
+        return detection.base_T_object[2] + (table.size_m[2] if table else 0.0)
 
     # ------------------------------------------------------------ scores
 
@@ -83,7 +97,8 @@ class Look:
 
     def _score(self, detection: Detection, expected: Expected, m: Match) -> float:
         """Return the log-likelihood ratio of "the detection is of this anchor" to "the anchor was not reported"."""
-        if m.distance2 > self._config.gate:
+        is_table = self._tracks.kind(expected.anchor).shape == "table"
+        if m.distance2 > self._config.gate or is_table != (self._table(detection) is not None):
             return -math.inf
         reported = self._tracks[expected.anchor].exists * self._noise.found
         return self._log_likelihood(detection, expected, m) + math.log(reported / (1.0 - reported))
@@ -92,22 +107,49 @@ class Look:
         evidence = self._tracks[expected.anchor].types.evidence(detection.type_log_likelihood)
         return m.log_density + math.log(max(evidence, 1e-300))
 
-    def _unmatched(self) -> float:
+    def _unmatched(self, detection: Detection) -> float:
         """Return the log density of detections that are of no anchor, over place, heading and reported type."""
-        rate = self._noise.false_per_look + self._config.new_per_look
-        kinds = sum(kind.graspable for kind in self._tracks.prior.types.values())
+        types = self._tracks.prior.types.values()
+        if self._table(detection):
+            rate, kinds = self._config.new_tables_per_look, sum(kind.shape == "table" for kind in types)
+        else:
+            rate = self._noise.false_per_look + self._config.new_per_look
+            kinds = sum(kind.graspable for kind in types)
         return math.log(rate / (self._config.view_area_m2 * math.tau * kinds))
 
     # ------------------------------------------------------------ outcomes
 
     def _known(self, detection: Detection, expected: Expected, m: Match) -> Sighting:
-        log_odds = math.log(self._noise.found) + self._log_likelihood(detection, expected, m) - self._unmatched()
+        log_odds = self._log_likelihood(detection, expected, m) - self._unmatched(detection)
+        log_odds += math.log(self._noise.found)
         return self._sighting(
             detection, self._measured(detection, expected), expected.anchor, False, None, math.exp(log_odds)
         )
 
+    def _can_be_new(self, detection: Detection) -> bool:
+        """Return whether a detection that is of no anchor can be of an object not met yet.
+
+        A table can if it is clearly beside every table that is known: no two overlap, so their middles are at least as
+        far apart as their narrower halves are wide together.
+        """
+        kind = self._table(detection)
+        if kind is None:
+            return True
+        own = float(np.linalg.eigvalsh(symmetric(detection.covariance)[:2, :2])[-1])
+        for expected in self._expected:
+            other = self._tracks.kind(expected.anchor)
+            if other.shape == "table":
+                spread = own + float(np.linalg.eigvalsh(expected.covariance[:2, :2])[-1])
+                apart = math.dist(detection.base_T_object[:2], expected.base_T_object[:2])
+                least = (min(kind.size_m[:2]) + min(other.size_m[:2])) / 2.0
+                if apart - math.sqrt(self._config.gate * spread) < least:
+                    return False
+        return True
+
     def _new(self, detection: Detection, name: str) -> Sighting:
         measured = Measured(flat(detection.base_T_object), symmetric(detection.covariance))
+        if self._table(detection):
+            return self._sighting(detection, measured, name, True, None, math.exp(MAX_LOG_ODDS))
         support = self._support_under(detection)
         return self._sighting(detection, measured, name, True, support, self._odds_of_real(detection, support))
 
@@ -115,7 +157,7 @@ class Look:
         """Return how many times likelier a detection that is of no anchor is of a new object than of nothing."""
         new, false = self._config.new_per_look, self._noise.false_per_look
         if support is not None:
-            support_T_object = between(self._graph.relative(BASE, support)[0], flat(detection.base_T_object))
+            support_T_object = between(self._graph.mean(BASE, support), flat(detection.base_T_object))
             new += self._regions.unmet_per_m2(support, support_T_object) * self._config.view_area_m2
         return min(new / max(false, 1e-300), math.exp(MAX_LOG_ODDS))
 
@@ -128,8 +170,8 @@ class Look:
             support=support,
             camera_T_object=measured.base_T_object,
             covariance=upper(own_covariance(measured, self._camera_covariance, self._config)),
-            z=detection.base_T_object[2],
-            z_sd_m=self._z_sd(detection),
+            z=0.0 if self._table(detection) else detection.base_T_object[2],
+            z_sd_m=self._config.height_sd_m if self._table(detection) else self._z_sd(detection),
             odds=odds,
             detection=detection,
         )
@@ -156,8 +198,8 @@ class Look:
         return best
 
     def _missed(self, expected: Expected) -> Missed:
-        if self._image is None:
-            return Missed(anchor=expected.anchor, p_reported=0.0)
         track, kind = self._tracks[expected.anchor], self._tracks.kind(expected.anchor)
+        if self._image is None or kind.shape == "table":
+            return Missed(anchor=expected.anchor, p_reported=0.0)
         seen = prob_visible(self._image, expected.base_T_object, expected.covariance, track.z, kind, self._config)
         return Missed(anchor=expected.anchor, p_reported=min(1.0, seen * self._noise.found))

@@ -79,13 +79,18 @@ class Tracks:
         """Return the anchors that are believed to exist."""
         return tuple(name for name, track in self._tracks.items() if track.exists >= self._config.listed)
 
+    def possible(self) -> tuple[str, ...]:
+        """Return the anchors that have not been given up."""
+        return tuple(name for name, track in self._tracks.items() if track.exists >= self._config.retired)
+
     def detectable(self) -> tuple[str, ...]:
         """Return the anchors that a detection may be of: not given up, not held, of a type that is reported."""
-        return tuple(
-            name
-            for name, track in self._tracks.items()
-            if track.exists >= self._config.retired and track.hand is None and self.kind(name).graspable
-        )
+        loose = [name for name in self.possible() if self._tracks[name].hand is None]
+        return tuple(name for name in loose if self.is_reported(name))
+
+    def is_reported(self, anchor: str) -> bool:
+        """Return whether the detector looks for what an anchor most likely is: things to grasp, and tables."""
+        return self.kind(anchor).graspable or self.kind(anchor).shape == "table"
 
     def held(self, hand: Hand) -> str | None:
         """Return the anchor in a hand."""
@@ -150,12 +155,18 @@ class Tracks:
         )
 
     def _new(self, sighting: Sighting) -> Track:
-        """Return the track of an object first seen: real or a false detection, otherwise as any object may be."""
-        support, stranger = sighting.support, self.stranger()
+        """Return the track of an object first seen: real or a false detection, otherwise as any object may be.
+
+        What was seen as a table is of one of the types of tables; an arbitrary object is none.
+        """
+        support, stranger, seen_as = sighting.support, self.stranger(), sighting.detection.type_log_likelihood
+        types = stranger.types
+        if not any(self.prior.types[name].graspable for name in seen_as):
+            types = replace(types, probabilities={name: 1.0 / len(seen_as) for name in sorted(seen_as)})
         return replace(
             stranger,
             exists=min(after_evidence(stranger.exists, sighting.odds), self._config.most_sure),
-            types=stranger.types.updated(sighting.detection.type_log_likelihood),
+            types=types.updated(seen_as),
             colour=stranger.colour.updated(sighting.detection.rgb),
             z=sighting.z if support is None else self.top(support),
             z_variance=sighting.z_sd_m**2 if support is None else stranger.z_variance,

@@ -52,6 +52,14 @@ class PlaceSketch:
     world_T_object: Pose4
 
 
+@dataclass(frozen=True, slots=True)
+class Spots:
+    """Where something may be put: places in a table's frame, shape (k, 2), and the room around each, shape (k,)."""
+
+    places: Floats
+    room: Floats
+
+
 class ArmPlanner:
     """Plans arm motions from wherever the robot in `world` stands."""
 
@@ -124,9 +132,9 @@ class ArmPlanner:
 
     # ---------------------------------------------------------------- place
 
-    def place(self, hand: Hand, support: str) -> Place | None:
-        """Return the whole placement of what the hand carries on a table, or None."""
-        for attempt, sketch in enumerate(islice(self.place_sketches(hand, support), JOINED_TRIES)):
+    def place(self, hand: Hand, support: str, spots: Spots) -> Place | None:
+        """Return the whole placement of what the hand carries on one of a table's spots, or None."""
+        for attempt, sketch in enumerate(islice(self.place_sketches(hand, support, spots), JOINED_TRIES)):
             approach = self._path(hand, self._world.robot.arm(hand), sketch.lower[0], (APPROACH_STREAM, attempt))
             if approach is None:
                 continue
@@ -143,10 +151,10 @@ class ArmPlanner:
                 )
         return None
 
-    def place_sketches(self, hand: Hand, support: str) -> Iterator[PlaceSketch]:
+    def place_sketches(self, hand: Hand, support: str, spots: Spots) -> Iterator[PlaceSketch]:
         """Yield the feasible ways to put down what the hand carries: most room around it first."""
         table, carried = self._world.standing[support], self._world.carried[hand]
-        places, room = self._reachable_spots(table, carried)
+        places, room = self._reachable(table, spots)
         targets = [
             self._tool_above(table, carried, (float(x), float(y)), float(yaw)) for x, y in places for yaw in PLACE_YAWS
         ]
@@ -158,12 +166,11 @@ class ArmPlanner:
             if sketch is not None:
                 yield sketch
 
-    def _reachable_spots(self, table: Standing, carried: Carried) -> tuple[Floats, Floats]:
-        """Return the free places on a table, in its frame, that are not out of reach, with the room around each."""
-        places, room = free_spots(self._world, table, carried)
+    def _reachable(self, table: Standing, spots: Spots) -> tuple[Floats, Floats]:
+        """Return the spots that are not out of reach, and the room around each."""
         base = compose2(inverse2(flat(table.world_T_object)), self._world.robot.base())
-        near = np.hypot(places[:, 0] - base[0], places[:, 1] - base[1]) <= REACH_M
-        return places[near], room[near]
+        near = np.hypot(spots.places[:, 0] - base[0], spots.places[:, 1] - base[1]) <= REACH_M
+        return spots.places[near], spots.room[near]
 
     def _tool_above(self, table: Standing, carried: Carried, spot: tuple[float, float], yaw: float) -> Pose4:
         """Return base_T_tool at the release over a spot of the table, with the fingers along `yaw`."""
@@ -246,15 +253,15 @@ class ArmPlanner:
             self._world.set_arm(hand, present)
 
 
-def free_spots(world: BelievedWorld, table: Standing, carried: Carried) -> tuple[Floats, Floats]:
-    """Return where on a table a carried thing finds room, shapes (k, 2) and (k,), in the table's frame, best first."""
+def free_spots(world: BelievedWorld, table: Standing, carried: Carried) -> Spots:
+    """Return where on a table a carried thing finds room, best first."""
     table_T_world = inverse2(flat(table.world_T_object))
     others = [
         (*compose2(table_T_world, flat(item.world_T_object))[:2], grasps.widest_half(item.type) + item.spread_m)
         for item in world.standing.values()
         if item.type.shape != "table" and (world.table_below(item) is table or item.support == table.anchor)
     ]
-    return grasps.spots(table.type, carried.type, np.reshape(np.array(others, dtype=np.float64), (-1, 3)))
+    return Spots(*grasps.spots(table.type, carried.type, np.reshape(np.array(others, dtype=np.float64), (-1, 3))))
 
 
 def _at_most(count: int, order: NDArray[np.intp], group: NDArray[np.intp]) -> Iterator[int]:

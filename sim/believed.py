@@ -1,14 +1,15 @@
 """The believed world as bodies in a physics client of its own: what motions are planned in.
 
 Filled from a belief and nothing else. Tables stand at their mean poses; things to grasp too, wider by the spread of
-their pose relative to the robot. What a hand holds moves with it and may touch that hand's gripper only. Nothing is
-ever stepped here, so an answer depends on the configuration asked about and on the belief, not on earlier questions.
+their pose relative to the robot. Before a moving arm, everything is wider still: tables by their spread, all by a
+margin. What a hand holds moves with it and may touch that hand's gripper only. Nothing is ever stepped here, so an
+answer depends on the configuration asked about and on the belief, not on earlier questions.
 """
 
 import contextlib
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from skolem.sim import bodies
 from skolem.sim.bullet import p
+from skolem.sim.doubt import spread
 from skolem.sim.poses import Vector3, compose2, flat, inverse2
 from skolem.sim.pr2 import ARM, BASE, FINGER_OPEN_RAD, HEAD, PR2
 from skolem.traces.messages import HANDS, Belief, Hand, ObjectType, Pose2, Pose4
@@ -24,7 +26,8 @@ Floats = NDArray[np.float64]
 
 PENETRATION_M = 1e-4  # contacts shallower than this are touching, not colliding
 EXISTS = 0.5  # objects less likely to exist are no obstacles
-SPREAD_SDS, SPREAD_LIMIT_M, SPREAD_STEP_M = 2.0, 0.05, 0.005
+SPREAD_LIMIT_M, TABLE_SPREAD_LIMIT_M = 0.05, 0.04
+ARM_MARGIN_M = 0.01  # what a moving arm keeps to the sides of everything but its target
 RESTING_GAP_M = 0.02  # a thing this close above a table stands on it
 NEAREST_RAY_M = 0.3  # the camera sees nothing nearer
 CENTRED = 1e-3  # tangent of the largest angle between the optical axis and the point looked at
@@ -42,6 +45,7 @@ class Standing:
         type: Its most likely type.
         world_T_object: Mean pose.
         spread_m: How much wider its body is on every side.
+        doubt_m: How much wider it is before a moving arm, the margin not counted; tables too.
         body: In the physics client.
         support: Anchor of what it stands on, if known.
     """
@@ -50,6 +54,7 @@ class Standing:
     type: ObjectType
     world_T_object: Pose4
     spread_m: float
+    doubt_m: float
     body: int
     support: str | None
 
@@ -58,6 +63,7 @@ class Standing:
 class Carried:
     """A believed object in a hand."""
 
+    hand: Hand
     anchor: str
     type: ObjectType
     tool_T_object: Pose4
@@ -73,9 +79,14 @@ class BelievedWorld:
         self.robot = PR2(self.client, self_collision=True)
         self.standing: dict[str, Standing] = {}
         self.carried: dict[Hand, Carried] = {}
-        self._bodies: dict[tuple[str, ObjectType, float, Hand | None], int] = {}
+        self._bodies: dict[tuple[str, ObjectType, float, Hand | None, Hand | None], int] = {}
+        self._is_narrowed = False
         self._gripper = {
             hand: frozenset(i for name, i in self.robot.link.items() if name.startswith(f"{hand[0]}_gripper"))
+            for hand in HANDS
+        }
+        self._still = {
+            hand: tuple(i for name, i in self.robot.collision_links().items() if not name.startswith(f"{hand[0]}_"))
             for hand in HANDS
         }
         self._arm_indices = {hand: [self.robot.joint[name] for name in ARM[hand]] for hand in HANDS}
@@ -98,29 +109,23 @@ class BelievedWorld:
             object_type = self._types[max(sorted(believed.type), key=lambda name: believed.type[name])]
             if believed.in_hand is not None and believed.tool_T_object is not None:
                 body = self._body(anchor, object_type, 0.0, believed.in_hand)
-                self.carried[believed.in_hand] = Carried(anchor, object_type, believed.tool_T_object, body)
+                self.carried[believed.in_hand] = Carried(
+                    believed.in_hand, anchor, object_type, believed.tool_T_object, body
+                )
                 continue
-            spread = _spread(belief, anchor) if object_type.graspable else 0.0
-            body = self._body(anchor, object_type, spread, None)
+            doubt = spread(belief, anchor, SPREAD_LIMIT_M if object_type.graspable else TABLE_SPREAD_LIMIT_M)
+            wider = doubt if object_type.graspable else 0.0
+            body = self._body(anchor, object_type, wider, None)
             self.standing[anchor] = Standing(
-                anchor, object_type, believed.world_T_object, spread, body, believed.support
+                anchor, object_type, believed.world_T_object, wider, doubt, body, believed.support
             )
         self.reset()
         self._narrow_what_touches()
 
     def _narrow_what_touches(self) -> None:
         """Give things that the robot would stand in their mere size: it stands there, so they do not."""
-        p.performCollisionDetection(physicsClientId=self.client)
-        moving = [self.robot.id, *(item.body for item in self.carried.values())]
-        touched = {
-            contact[2]
-            for body in moving
-            for contact in p.getContactPoints(bodyA=body, physicsClientId=self.client)
-            if contact[8] < -PENETRATION_M
-        }
-        for anchor, item in self.standing.items():
-            if item.body in touched:
-                self.standing[anchor] = self._narrow(item)
+        for anchor in sorted(self.touched()):
+            self.standing[anchor] = self._narrow(self.standing[anchor])
 
     def _narrow(self, item: Standing) -> Standing:
         """Have an object's body take its mere size."""
@@ -130,22 +135,72 @@ class BelievedWorld:
             bodies.set_pose(self.client, item.body, item.type, item.world_T_object)
         return item
 
-    def is_spread(self) -> bool:
-        """Return whether doubt about its place makes anything wider than it is."""
-        return any(item.spread_m > 0.0 for item in self.standing.values())
-
     @contextlib.contextmanager
     def narrowed(self) -> Iterator[None]:
-        """Have everything take its mere size meanwhile, at its mean pose."""
-        spread = self.standing
-        self.standing = {anchor: self._narrow(item) for anchor, item in spread.items()}
+        """Have everything take its mere size meanwhile, at its mean pose, also before a moving arm."""
+        wide = self.standing
+        self.standing, self._is_narrowed = {anchor: self._narrow(item) for anchor, item in wide.items()}, True
         try:
             yield
         finally:
             for item in self.standing.values():
                 self._park(item.body)
-            self.standing = spread
+            self.standing, self._is_narrowed = wide, False
             self.reset()
+
+    @contextlib.contextmanager
+    def wary(self, hand: Hand, target: str | None = None) -> Iterator[None]:
+        """Have all but the target wider by its doubt and a margin meanwhile, for that arm and what it carries."""
+        if self._is_narrowed:
+            yield
+            return
+        plain = self.standing
+        self.standing = {a: item if a == target else self._widened(item, hand) for a, item in plain.items()}
+        try:
+            yield
+        finally:
+            self._swap(self.standing, plain)
+            self.standing = plain
+
+    def _widened(self, item: Standing, hand: Hand) -> Standing:
+        """Replace an object's body by one that only an arm can touch, wider to the sides."""
+        body = self._body(item.anchor, item.type, item.doubt_m + ARM_MARGIN_M, None, hand)
+        self._park(item.body)
+        bodies.set_pose(self.client, body, item.type, item.world_T_object)
+        return dataclasses.replace(item, body=body)
+
+    def _swap(self, old: Mapping[str, Standing], new: Mapping[str, Standing]) -> None:
+        for anchor, item in new.items():
+            if old[anchor].body != item.body:
+                self._park(old[anchor].body)
+                bodies.set_pose(self.client, item.body, item.type, item.world_T_object)
+
+    @contextlib.contextmanager
+    def removed(self, anchors: Collection[str]) -> Iterator[None]:
+        """Have standing things be nowhere meanwhile."""
+        full = self.standing
+        self.standing = {anchor: item for anchor, item in full.items() if anchor not in anchors}
+        for anchor in anchors:
+            self._park(full[anchor].body)
+        try:
+            yield
+        finally:
+            self.standing = full
+            for anchor in anchors:
+                bodies.set_pose(self.client, full[anchor].body, full[anchor].type, full[anchor].world_T_object)
+
+    @contextlib.contextmanager
+    def emptied(self, hand: Hand | None) -> Iterator[None]:
+        """Have what a hand carries be nowhere meanwhile."""
+        carried = self.carried.pop(hand) if hand in self.carried else None
+        if carried is not None:
+            self._park(carried.body)
+        try:
+            yield
+        finally:
+            if carried is not None:
+                self.carried[carried.hand] = carried
+                self._move_carried(carried.hand)
 
     def reset(self, world_T_base: Pose2 | None = None) -> None:
         """Put everything where it is believed to be, or the robot elsewhere."""
@@ -158,14 +213,16 @@ class BelievedWorld:
         for hand in self.carried:
             self._move_carried(hand)
 
-    def _body(self, anchor: str, object_type: ObjectType, spread: float, hand: Hand | None) -> int:
-        """Return the body of an object, made at its first use."""
-        key = (anchor, object_type, spread, hand)
+    def _body(
+        self, anchor: str, object_type: ObjectType, wider: float, hand: Hand | None, before: Hand | None = None
+    ) -> int:
+        """Return the body of an object, made at its first use: in `hand`, or met by the arm `before` alone."""
+        key = (anchor, object_type, wider, hand, before)
         if key not in self._bodies:
             away = (0.0, 0.0, _AWAY_M, 0.0)
             kg = 0.0 if hand is None else CARRIED_KG
-            body = bodies.thing(self.client, object_type, away, _GREY, kg, spread)
-            for link in self._gripper[hand] if hand else ():
+            body = bodies.thing(self.client, object_type, away, _GREY, kg, wider)
+            for link in self._gripper[hand] if hand else self._still[before] if before else ():
                 p.setCollisionFilterPair(self.robot.id, body, link, -1, 0, physicsClientId=self.client)
             self._bodies[key] = body
         return self._bodies[key]
@@ -221,6 +278,18 @@ class BelievedWorld:
                     return False
         return True
 
+    def touched(self) -> frozenset[str]:
+        """Return the standing things that the robot, or what it carries, collides with."""
+        p.performCollisionDetection(physicsClientId=self.client)
+        moving = [self.robot.id, *(item.body for item in self.carried.values())]
+        met = {
+            contact[2]
+            for body in moving
+            for contact in p.getContactPoints(bodyA=body, physicsClientId=self.client)
+            if contact[8] < -PENETRATION_M
+        }
+        return frozenset(anchor for anchor, item in self.standing.items() if item.body in met)
+
     def _is_gripper(self, link: int) -> bool:
         return any(link in links for links in self._gripper.values())
 
@@ -261,7 +330,7 @@ class BelievedWorld:
         item = self.standing.pop(anchor)
         body = self._body(anchor, item.type, 0.0, hand)
         self._park(item.body)
-        self.carried[hand] = Carried(anchor, item.type, tool_T_object, body)
+        self.carried[hand] = Carried(hand, anchor, item.type, tool_T_object, body)
         try:
             yield
         finally:
@@ -284,6 +353,20 @@ class BelievedWorld:
             self.carried[hand] = carried
             self._move_carried(hand)
 
+    @contextlib.contextmanager
+    def stand_in(self, object_type: ObjectType, wider_m: float) -> Iterator[int]:
+        """Have a body of a type meanwhile that stands for nothing believed; yields it, somewhere out of the way."""
+        body = self._body("", object_type, wider_m, None)
+        try:
+            yield body
+        finally:
+            self._park(body)
+
+    def meets(self, body: int) -> bool:
+        """Return whether the robot, or what it carries, touches a body."""
+        moving = [self.robot.id, *(item.body for item in self.carried.values())]
+        return any(p.getClosestPoints(part, body, 0.0, physicsClientId=self.client) for part in moving)
+
     def _order(self, returned: str) -> list[str]:
         """Return the anchors that stand, one more than now, in the belief's order."""
         return [a for a in self._belief.anchors if a in self.standing or a == returned]
@@ -304,39 +387,14 @@ class BelievedWorld:
 
     def seen_share(self, points_world: Floats, body: int) -> float:
         """Return which share of points, shape (n, 3), the camera sees: nothing but `body` itself is in the way."""
+        return sum(hit in (body, -1) for hit in self.hits(points_world)) / len(points_world)
+
+    def hits(self, points_world: Floats) -> list[int]:
+        """Return the first body between the camera and each of points, shape (n, 3); -1 where there is none."""
+        if not len(points_world):
+            return []
         eye, _ = self.robot.camera_pose()
         away = points_world - eye
         starts = eye + away * (NEAREST_RAY_M / np.linalg.norm(away, axis=1, keepdims=True))
-        hits = p.rayTestBatch(starts.tolist(), points_world.tolist(), physicsClientId=self.client)
-        return sum(hit[0] in (body, -1) for hit in hits) / len(points_world)
-
-
-def _spread(belief: Belief, anchor: str) -> float:
-    """Return how much wider an object's body must be for its uncertain place, in whole steps."""
-    deviation = math.sqrt(max(0.0, float(np.linalg.eigvalsh(relative_covariance(belief, anchor)[:2, :2])[-1])))
-    return min(SPREAD_STEP_M * math.ceil(SPREAD_SDS * deviation / SPREAD_STEP_M - 1e-9), SPREAD_LIMIT_M)
-
-
-def relative_covariance(belief: Belief, anchor: str) -> Floats:
-    """Return the covariance of base_T_object, shape (3, 3), x, y [m], theta [rad], tangent space, object frame.
-
-    The base is the key of the joint covariance that names no object. Without both rows: the object's own marginal.
-    """
-    base = next((key for key in belief.keys if key not in belief.objects), None)
-    if base is None or anchor not in belief.keys:
-        return _symmetric(belief.objects[anchor].covariance, 3)
-    joint = _symmetric(belief.joint_covariance, 3 * len(belief.keys))
-    rows = [3 * belief.keys.index(key) + i for key in (base, anchor) for i in range(3)]
-    object_T_base = compose2(inverse2(flat(belief.objects[anchor].world_T_object)), belief.world_T_base)
-    x, y, theta = object_T_base
-    c, s = math.cos(theta), math.sin(theta)
-    adjoint = np.array([[c, -s, y], [s, c, -x], [0.0, 0.0, 1.0]])
-    jacobian = np.hstack([-adjoint, np.eye(3)])
-    return np.asarray(jacobian @ joint[np.ix_(rows, rows)] @ jacobian.T)
-
-
-def _symmetric(upper: Sequence[float], n: int) -> Floats:
-    """Return the symmetric matrix, shape (n, n), of an upper triangle in row order."""
-    out = np.zeros((n, n))
-    out[np.triu_indices(n)] = upper
-    return np.asarray(out + out.T - np.diag(np.diag(out)))
+        found = p.rayTestBatch(starts.tolist(), points_world.tolist(), physicsClientId=self.client)
+        return [hit[0] for hit in found]

@@ -45,6 +45,7 @@ class Cloud:
         rgb: Shape (n, 3), each 0..1.
         at_border: Shape (n,), whether the pixel lies at the border of the image.
         under_nearer: Shape (n,), whether something nearer is seen just above the pixel: what it shows may go on there.
+        pixel: Row and column of each point in the image, shape (n, 2).
         camera_base: Shape (3,), where the robot believes its camera to be, metres, base frame.
     """
 
@@ -52,6 +53,7 @@ class Cloud:
     rgb: NDArray[np.float64]
     at_border: NDArray[np.bool_]
     under_nearer: NDArray[np.bool_]
+    pixel: NDArray[np.int64]
     camera_base: NDArray[np.float64]
 
     def only(self, chosen: NDArray[np.bool_]) -> "Cloud":
@@ -61,6 +63,7 @@ class Cloud:
             self.rgb[chosen],
             self.at_border[chosen],
             self.under_nearer[chosen],
+            self.pixel[chosen],
             self.camera_base,
         )
 
@@ -93,7 +96,8 @@ def cloud_from_depth(
     border = np.ones((rows, columns), dtype=bool)
     border[BORDER_PX:-BORDER_PX, BORDER_PX:-BORDER_PX] = False
     under = _under_nearer(depth).ravel()
-    cloud = Cloud(points_base, rgb.reshape(-1, 3), border.ravel(), under, base_T_camera.origin)
+    pixel = np.indices((rows, columns), dtype=np.int64).reshape(2, -1).T
+    cloud = Cloud(points_base, rgb.reshape(-1, 3), border.ravel(), under, pixel, base_T_camera.origin)
     return cloud.only(np.isfinite(depth).ravel())
 
 

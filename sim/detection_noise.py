@@ -15,6 +15,8 @@ FALSE_POINTS = (40, 300)  # a false alarm claims to rest on so many points
 def worsen(seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, seed: int, step: int) -> tuple[Detection, ...]:
     """Return the detections of one look after misses, type confusions, colour noise and false alarms.
 
+    A table may be missed as a thing may; it is never taken for a thing, nor a thing for it, and none is invented.
+
     Args:
         seen: What the detector found, in canonical order: the draws are dealt out in that order.
         types: Every type; confusions and false alarms are among the graspable ones.
@@ -32,7 +34,15 @@ def worsen(seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, seed: in
         for detection, shift in zip(seen.detections, tint, strict=True)
     ]
     found = [detection for detection, keep in zip(worse, kept, strict=True) if keep]
-    return canonical_order(found + _false_alarms(seen, names, types, noise, stream(seed, step, Purpose.FALSE_ALARM)))
+    found += _false_alarms(seen, names, types, noise, stream(seed, step, Purpose.FALSE_ALARM))
+    return canonical_order(found + _tables(seen.tables, noise, stream(seed, step, Purpose.TABLES)))
+
+
+def _tables(tables: tuple[Detection, ...], noise: NoiseModel, draws: Generator) -> list[Detection]:
+    """Return the tables that are not missed, with colour noise."""
+    kept = draws.random(len(tables)) < noise.found
+    tint = draws.normal(size=(len(tables), 3)) * noise.colour_sd_rgb
+    return [_tinted(table, shift) for table, keep, shift in zip(tables, kept, tint, strict=True) if keep]
 
 
 def _tinted(detection: Detection, shift: NDArray[np.float64]) -> Detection:

@@ -1,4 +1,4 @@
-"""Typed detections from a coloured point cloud: supports, clusters above them, a fit of every graspable type.
+"""Typed detections from a coloured point cloud: supports, tables, clusters above them, a fit of every graspable type.
 
 It sees the cloud and the type table, nothing else. Not reported: what the border of the image cuts, what has its top
 hidden behind something nearer, what stands on no support in view, and what no type explains. Things that touch each
@@ -15,6 +15,7 @@ from skolem.sim.cloud import ROWS, Cloud, focal_px
 from skolem.sim.fitting import Fit, fit_type
 from skolem.sim.noise import extrinsic_covariance
 from skolem.sim.supports import Support, find_supports
+from skolem.sim.tables import TableFit, find_tables
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 
 MAX_DISTANCE_M = 2.4  # from the camera; beyond it depth errors exceed what tells things from their support
@@ -35,34 +36,51 @@ class Seen:
     """What a cloud shows.
 
     Attributes:
-        detections: In canonical order.
+        detections: Of things, in canonical order.
         supports: Highest first.
         camera_base: Shape (3,), metres, base frame.
+        tables: Detections of tables, in canonical order.
     """
 
     detections: tuple[Detection, ...]
     supports: tuple[Support, ...]
     camera_base: NDArray[np.float64]
+    tables: tuple[Detection, ...] = ()
 
 
 def detect(cloud: Cloud, types: dict[str, ObjectType], noise: NoiseModel) -> Seen:
-    """Return the graspable things in a cloud.
+    """Return the graspable things and the tables in a cloud.
 
     Args:
         cloud: Points in the base frame, z nearly up, without the robot's own body.
-        types: Every type; only graspable ones are looked for.
+        types: Every type; graspable ones and tables are looked for.
         noise: How far the camera's calibration may be off.
     """
-    near = np.linalg.norm(cloud.points_base - cloud.camera_base, axis=1) < MAX_DISTANCE_M
-    cloud = cloud.only(near)
+    whole, is_near = cloud, np.linalg.norm(cloud.points_base - cloud.camera_base, axis=1) < MAX_DISTANCE_M
+    cloud = whole.only(is_near)
     supports = find_supports(cloud.points_base, cloud.camera_base, focal_px(ROWS))
+    tables = find_tables(whole, supports, {name: kind for name, kind in types.items() if kind.shape == "table"})
     sought = {name: kind for name, kind in sorted(types.items()) if kind.graspable}
     detections = [
         detection
         for support, cluster in _clusters(cloud, supports, sought)
         for detection in _explained(cluster, support, sought, noise)
     ]
-    return Seen(canonical_order(detections), supports, cloud.camera_base)
+    reported = [table_detection(fit, types[fit.kind], cloud.camera_base, noise) for fit in tables]
+    return Seen(canonical_order(detections), supports, cloud.camera_base, canonical_order(reported))
+
+
+def table_detection(fit: TableFit, kind: ObjectType, camera_base: NDArray[np.float64], noise: NoiseModel) -> Detection:
+    """Return the detection of a table: it could be of the types of tables that were tried, never of a thing."""
+    x, y, theta = (float(value) for value in fit.xy_theta)
+    red, green, blue = (float(value) for value in fit.seen.rgb.mean(axis=0))
+    return Detection(
+        base_T_object=(x, y, fit.top_m - kind.size_m[2], theta),
+        covariance=pose_covariance(fit.covariance, (x, y, fit.top_m, theta), camera_base, noise),
+        type_log_likelihood=fit.log_likelihood,
+        rgb=(red, green, blue),
+        points=len(fit.seen.points_base),
+    )
 
 
 def canonical_order(detections: list[Detection]) -> tuple[Detection, ...]:

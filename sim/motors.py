@@ -86,8 +86,10 @@ class Motors:
             physicsClientId=self._robot.client,
         )
         p.changeConstraint(gear, gearRatio=-1.0, erp=GEAR_ERP, maxForce=GEAR_FORCE, physicsClientId=self._robot.client)
-        yield
-        p.removeConstraint(gear, physicsClientId=self._robot.client)
+        try:
+            yield
+        finally:
+            p.removeConstraint(gear, physicsClientId=self._robot.client)
 
     def _fingers(self, hand: Hand) -> tuple[float, ...]:
         return self._robot.joints(FINGERS[hand])

@@ -36,6 +36,7 @@ class Purpose(IntEnum):
     ODOMETRY = 7
     WRIST = 8
     WRIST_BIAS = 9
+    TABLES = 10
 
 
 def stream(seed: int, step: int, purpose: Purpose) -> Generator:

@@ -6,72 +6,35 @@ Answers are kept until the belief changes. What cannot be done with things as wi
 tried once more with things as they are on average: the alternative would be to give up.
 """
 
-import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import Protocol
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skolem.sim import arm_motions, grasps, motion, reach, sight, stances
-from skolem.sim.arm_motions import ArmPlanner
+from skolem.sim import arm_motions, motion, ways
+from skolem.sim.activities import Activity, Question, key_of
+from skolem.sim.arm_motions import ArmPlanner, Spots
 from skolem.sim.assets import robot_sha256
-from skolem.sim.believed import BelievedWorld, Standing
-from skolem.sim.driving import MARGINS_M, drive
-from skolem.sim.poses import compose2, flat
-from skolem.traces.messages import (
-    Belief,
-    Command,
-    Hand,
-    LookAt,
-    MoveBase,
-    ObjectType,
-    Pose2,
-    Weigh,
-)
+from skolem.sim.believed import BelievedWorld
+from skolem.sim.candidates import Candidates
+from skolem.sim.clearing import Clearing
+from skolem.sim.driving import drive
+from skolem.sim.poses import compose2, compose4
+from skolem.sim.surveyor import Surveyor
+from skolem.sim.trials import Task, Trials
+from skolem.sim.ways import Way
+from skolem.traces.messages import HANDS, Belief, Command, MoveBase, ObjectType, Pose2
 
-Floats = NDArray[np.float64]
-
-SENSING_HAND: Hand = "right"  # the only wrist with a force-torque sensor
 BASE_STREAM = 3
-STANCE_MARGIN_M = MARGINS_M[0]  # distance that all of the robot keeps to everything where it stops
-CHECKED_STANCES, SKETCHED_STANCES, JOINED_STANCES = 80, 16, 4  # how many are tried, by rising effort
-SAME_M, SAME_RAD = 0.08, 0.2  # stances nearer than this to one that failed are skipped
-HEIGHT_STEP_M = 0.02  # reach maps are shared by tool heights that round to the same step
-SPOTS, SPOT_APART_M = 12, 0.15  # places on a table for which stances are sought
-ROOM_COST = 3.0  # per m of room that a place has less than enough
-LOOK_DISTANCES, LOOK_BEARINGS = np.array([0.8, 0.95, 1.1, 1.25, 1.4]), np.array([-0.8, -0.4, 0.0, 0.4, 0.8])
-BEST_LOOK_M, LOOK_DISTANCE_COST, LOOK_BEARING_COST = 1.0, 0.5, 0.2
+SURVEYS_DRIVEN = 8  # stances to look at a region from to which a drive is sought
+WAYS_TRIED = 3  # ways that are tried with what blocks them taken away
+CLEARABLE = ("look", "look_region", "pick")
 
-Question = tuple[str, str, str, Hand | None, str | None]
-
-
-class Activity(Protocol):
-    """Something to be done from a base pose: look, pick, place or weigh."""
-
-    @property
-    def kind(self) -> str:
-        """What is to be done."""
-        ...
-
-    @property
-    def anchor(self) -> str:
-        """The object it is about."""
-        ...
-
-    @property
-    def hand(self) -> Hand | None:
-        """The hand that does it."""
-        ...
-
-    @property
-    def support(self) -> str | None:
-        """Where to place."""
-        ...
+T = TypeVar("T")
 
 
 class PlanningWorld:
-    """Answers what can be done from here, and where to go to do it.
+    """Answers what can be done from here, where to go to do it, and what to take out of the way before.
 
     Attributes:
         robot_sha256: Identity of the robot model.
@@ -88,9 +51,13 @@ class PlanningWorld:
         self._seed = seed
         self._belief: Belief | None = None
         self._world = BelievedWorld(types)
-        self._arms = ArmPlanner(self._world, lambda stream, attempt: self._path_seed(stream, attempt))
+        arms = ArmPlanner(self._world, lambda stream, attempt: self._path_seed(stream, attempt))
+        candidates = Candidates(self._world)
+        self._trials = Trials(self._world, arms, candidates)
+        self._surveyor = Surveyor(self._world, candidates)
+        self._clearing = Clearing(self._world, arms, candidates, self._trials, self._surveyor)
         self._answers: dict[Question, Command | None] = {}
-        self._maps: dict[tuple[Hand, float, int, int], reach.ReachMap] = {}
+        self._ways: dict[Question, Way | None] = {}
 
     def close(self) -> None:
         """Close the physics client; no question can be asked afterwards."""
@@ -100,8 +67,9 @@ class PlanningWorld:
         """Take over a belief; answers about an equal one are kept."""
         if belief != self._belief:
             self._belief = belief
-            self._answers = {}
+            self._answers, self._ways = {}, {}
             self._world.update(belief)
+            self._surveyor.update(belief)
 
     def ready(self, activity: Activity) -> Command | None:
         """Return the command that does the activity from where the robot is believed to stand, or None."""
@@ -114,19 +82,46 @@ class PlanningWorld:
         return answer
 
     def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return the movable anchors in the way of the activity."""
-        return ()
+        """Return the movable things that block one way of doing the activity, all of them, sorted.
 
-    def _kept(self, question: str, activity: Activity, answer: Callable[[Activity], Command | None]) -> Command | None:
-        key = (question, activity.kind, activity.anchor, activity.hand, activity.support)
+        Empty if it can be done, and if it cannot be done whatever is taken away. The hand counts as empty.
+        """
+        if activity.kind not in CLEARABLE:
+            return ()
+        with self._world.emptied(activity.hand):
+            if self.ready(activity) is not None or self.approach(activity) is not None:
+                return ()
+            way = self._kept_way("cleared", activity, self._cleared)
+        return () if way is None else way.blockers
+
+    # ---------------------------------------------------------------- memory and doubt
+
+    def _kept(self, question: str, activity: Activity, answer: Callable[[Task], Command | None]) -> Command | None:
+        key = self._key(question, activity)
         if key not in self._answers:
-            self._world.reset()
-            command = answer(activity)
-            if command is None and activity.kind != "look" and self._world.is_spread():
-                with self._world.narrowed():
-                    command = answer(activity)
-            self._answers[key] = command
+            clear_of = None if activity.clear_of is None else self._way_to_keep(activity.clear_of)
+            self._answers[key] = self._wide_or_narrow(activity, lambda: answer(self._task(activity, clear_of)))
         return self._answers[key]
+
+    def _kept_way(self, question: str, activity: Activity, answer: Callable[[Activity], Way | None]) -> Way | None:
+        key = self._key(question, activity)
+        if key not in self._ways:
+            self._ways[key] = answer(activity)
+        return self._ways[key]
+
+    def _key(self, question: str, activity: Activity) -> Question:
+        """Return what an answer depends on besides the belief: a hand may be taken for empty."""
+        full = (hand for hand in HANDS if hand in self._world.carried)
+        return (question, *key_of(activity), *full)
+
+    def _wide_or_narrow(self, activity: Activity, answer: Callable[[], T | None]) -> T | None:
+        """Return an answer with everything as wide as its doubt; if there is none, with everything as it is."""
+        self._world.reset()
+        found = answer()
+        if found is None and activity.kind in ("pick", "place"):
+            with self._world.narrowed():
+                found = answer()
+        return found
 
     @property
     def _believed(self) -> Belief:
@@ -136,171 +131,72 @@ class PlanningWorld:
     def _path_seed(self, *stream: int) -> int:
         return motion.seed_of(self._seed, self._believed.version, *stream)
 
-    # ---------------------------------------------------------------- from here
+    # ---------------------------------------------------------------- from here, and from elsewhere
 
-    def _ready(self, activity: Activity) -> Command | None:
-        """Return the command from where the robot of the believed world is put."""
-        if not self._possible(activity):
+    def _task(self, activity: Activity, clear_of: Way | None) -> Task | None:
+        """Return the activity with the spots it may choose among; None if it makes no sense as things are."""
+        if activity.kind == "look_region":
+            return Task(activity) if activity.anchor in self._believed.regions else None
+        if not self._trials.possible(activity):
             return None
-        if activity.kind == "look":
-            return self._look(self._world.standing[activity.anchor])
+        if activity.kind != "place":
+            return Task(activity)
         assert activity.hand is not None
-        if activity.kind == "pick":
-            return self._arms.pick(activity.hand, activity.anchor)
-        if activity.kind == "place":
-            assert activity.support is not None
-            return self._arms.place(activity.hand, activity.support)
-        return Weigh(hand=activity.hand)
+        assert activity.support is not None
+        carried, table = self._world.carried[activity.hand], self._world.standing[activity.support]
+        spots = arm_motions.free_spots(self._world, table, carried)
+        if clear_of is None:
+            return Task(activity, spots)
+        top = table.type.size_m[2]
+        places = [compose4(table.world_T_object, (float(x), float(y), top, 0.0))[:3] for x, y in spots.places]
+        keep = ways.leaves_room(self._world, clear_of, carried, np.reshape(np.array(places), (-1, 3)))
+        return Task(activity, Spots(spots.places[keep], spots.room[keep]))
 
-    def _look(self, item: Standing) -> LookAt | None:
-        turned = sight.look(self._world, item)
-        return None if turned is None else LookAt(pan=turned[0], tilt=turned[1])
-
-    def _possible(self, activity: Activity) -> bool:
-        """Return whether hands and objects are such that the activity makes sense anywhere."""
-        world, hand = self._world, activity.hand
-        if activity.kind == "look":
-            return activity.anchor in world.standing
-        if hand is None:
-            return False
-        carried = world.carried.get(hand)
-        if activity.kind == "pick":
-            item = world.standing.get(activity.anchor)
-            return carried is None and item is not None and item.type.graspable
-        if carried is None or carried.anchor != activity.anchor:
-            return False
-        if activity.kind == "place":
-            table = world.standing.get(activity.support or "")
-            return table is not None and table.type.shape == "table"
-        return activity.kind == "weigh" and hand == SENSING_HAND
-
-    # ---------------------------------------------------------------- from elsewhere
-
-    def _approach(self, activity: Activity) -> MoveBase | None:
-        """Return the drive to the first stance that serves: cheap tests first, whole motions last."""
-        if not self._possible(activity):
+    def _ready(self, task: Task | None) -> Command | None:
+        if task is None:
             return None
-        here = self._believed.world_T_base
-        if activity.kind == "weigh":
+        if task.activity.kind == "look_region":
+            return self._surveyor.look(task.activity.anchor)
+        return self._trials.here(task)
+
+    def _approach(self, task: Task | None) -> MoveBase | None:
+        """Return the drive to the first stance that serves."""
+        if task is None:
+            return None
+        if task.activity.kind == "weigh":
             return MoveBase(start_T_waypoint=((0.0, 0.0, 0.0),))
-        drives = 0
-        for stance in self._serving(activity):
-            path = drive(self._world, here, stance, self._path_seed(BASE_STREAM, drives))
+        for drives, stance in enumerate(self._serving(task)):
+            path = drive(self._world, self._believed.world_T_base, stance, self._path_seed(BASE_STREAM, drives))
             if path is not None:
                 return MoveBase(start_T_waypoint=path)
-            drives += 1
         return None
 
-    def _serving(self, activity: Activity) -> Iterator[Pose2]:
-        """Yield the base poses from which the activity can be done, in order of preference."""
-        candidates, spots = self._candidates(activity)
-        failed: list[Pose2] = []
-        checked = sketched = joined = 0
-        for row, target in zip(candidates.world_T_base, candidates.target, strict=True):
-            if checked >= CHECKED_STANCES or sketched >= SKETCHED_STANCES or joined >= JOINED_STANCES:
-                return
-            stance = (float(row[0]), float(row[1]), float(row[2]))
-            if any(_same(stance, other) for other in failed):
-                continue
-            checked += 1
-            self._world.reset(stance)
-            if self._world.free() and self._world.clear(STANCE_MARGIN_M) and self._sees(activity, spots, int(target)):
-                if activity.kind == "look":
-                    yield stance
-                    continue
-                sketched += 1
-                if self._sketch(activity):
-                    joined += 1
-                    if self._ready(activity) is not None:
-                        yield stance
-                        continue
-            failed.append(stance)
+    def _serving(self, task: Task) -> Iterator[Pose2]:
+        if task.activity.kind == "look_region":
+            return (stance for stance, _ in self._surveyor.stances(task.activity.anchor)[:SURVEYS_DRIVEN])
+        return self._trials.serving(task, self._believed)
 
-    def _sees(self, activity: Activity, spots: Floats, target: int) -> bool:
-        """Return whether the object, or the place for it, is seen from where the robot is put."""
-        if activity.support is not None:
-            x, y = spots[target]
-            return sight.look_at_spot(self._world, self._world.standing[activity.support], (x, y)) is not None
-        return sight.look(self._world, self._world.standing[activity.anchor]) is not None
+    # ---------------------------------------------------------------- ways
 
-    def _sketch(self, activity: Activity) -> bool:
-        """Return whether the arm can do its part near the object, not yet how it gets there."""
-        assert activity.hand is not None
-        if activity.support is not None:
-            return next(self._arms.place_sketches(activity.hand, activity.support), None) is not None
-        return next(self._arms.pick_sketches(activity.hand, activity.anchor), None) is not None
+    def _cleared(self, activity: Activity) -> Way | None:
+        """Return the way with the fewest blockers, without which the activity can be done."""
+        with self._world.narrowed():
+            for way in self._clearing.ways(activity, self._believed)[:WAYS_TRIED]:
+                with self._world.removed(way.blockers):
+                    if self._approach(self._task(activity, None)) is not None:
+                        return way
+        return None
 
-    def _candidates(self, activity: Activity) -> tuple[stances.Stances, Floats]:
-        """Return base poses whose outline is free, best first, and the places they are for (in a table's frame)."""
-        spots = np.zeros((1, 2))
-        penalty = np.zeros(1)
-        if activity.support is not None:
-            assert activity.hand is not None
-            table = self._world.standing[activity.support]
-            spots, penalty = self._spots(table, activity.hand)
-            theta = table.world_T_object[3]
-            targets = np.array([compose2(flat(table.world_T_object), (x, y, 0.0))[:2] for x, y in spots])
-        else:
-            item = self._world.standing[activity.anchor]
-            below = self._world.table_below(item)
-            theta = (below or item).world_T_object[3]
-            targets = np.array([item.world_T_object[:2]])
-        directions = stances.headings(theta)
-        offsets, quality = self._offsets(activity, directions)
-        here = self._believed.world_T_base
-        found, cost = stances.around(targets.reshape(-1, 2), penalty, offsets, quality, directions, here)
-        return stances.standable(found, cost, [_footprint(item) for item in self._world.ground()]), spots
+    def _way_to_keep(self, activity: Activity) -> Way | None:
+        """Return the way by which something will be done later, once what is now in the hand is put down."""
+        with self._world.emptied(activity.hand):
+            return self._kept_way("kept", activity, self._free_or_cleared)
 
-    def _offsets(self, activity: Activity, directions: Floats) -> tuple[Floats, Floats]:
-        """Return where the target may lie in the base frame, (k, 2), and how good that is per heading, (k, h)."""
-        if activity.hand is None:
-            offsets, good = _look_offsets()
-            return offsets, np.tile(good[:, None], len(directions))
-        if activity.support is not None:
-            carried, table = self._world.carried[activity.hand], self._world.standing[activity.support]
-            height = table.world_T_object[2] + table.type.size_m[2] + grasps.RELEASE_M - carried.tool_T_object[2]
-            found = self._reach_map(activity.hand, height, grasps.back_off(carried.type, 0.0))
-            return found.offsets, np.tile(found.quality()[:, None], len(directions))
-        item = self._world.standing[activity.anchor]
-        height = item.world_T_object[2] + grasps.tool_height(item.type)
-        found = self._reach_map(activity.hand, height, grasps.back_off(item.type, item.spread_m))
-        if item.type.shape == "cylinder":
-            return found.offsets, np.tile(found.quality()[:, None], len(directions))
-        yaws = [grasps.approach_yaws(item.type, item.world_T_object[3] - float(heading)) for heading in directions]
-        return found.offsets, np.stack([found.quality(yaw) for yaw in yaws], axis=1)
-
-    def _reach_map(self, hand: Hand, height: float, back: float) -> reach.ReachMap:
-        key = (hand, self._believed.robot.torso, round(height / HEIGHT_STEP_M), math.ceil(back / HEIGHT_STEP_M))
-        if key not in self._maps:
-            rounded = key[2] * HEIGHT_STEP_M, key[3] * HEIGHT_STEP_M
-            self._maps[key] = reach.reach_map(hand, key[1], *rounded, arm_motions.LIFT_M)
-        return self._maps[key]
-
-    def _spots(self, table: Standing, hand: Hand) -> tuple[Floats, Floats]:
-        """Return a few places on a table, apart from one another, and the cost of the room they lack."""
-        places, room = arm_motions.free_spots(self._world, table, self._world.carried[hand])
-        chosen: list[int] = []
-        for k in range(len(places)):
-            if len(chosen) < SPOTS and all(math.dist(places[k], places[j]) >= SPOT_APART_M for j in chosen):
-                chosen.append(k)
-        return places[chosen], ROOM_COST * (grasps.ENOUGH_M - room[chosen])
-
-
-def _same(a: Pose2, b: Pose2) -> bool:
-    """Return whether two base poses are so near that what fails at one will fail at the other."""
-    turn = abs((a[2] - b[2] + math.pi) % (2.0 * math.pi) - math.pi)
-    return math.dist(a[:2], b[:2]) < SAME_M and turn < SAME_RAD
-
-
-def _footprint(item: Standing) -> stances.Footprint:
-    """Return the rectangle on the floor that an object takes."""
-    half = item.type.size_m[0] / 2.0 + item.spread_m, item.type.size_m[1] / 2.0 + item.spread_m
-    return stances.Footprint(flat(item.world_T_object), half)
-
-
-def _look_offsets() -> tuple[Floats, Floats]:
-    """Return where a thing to look at may lie in the base frame, and how good each offset is."""
-    distance, bearing = (a.ravel() for a in np.meshgrid(LOOK_DISTANCES, LOOK_BEARINGS, indexing="ij"))
-    offsets = np.stack([distance * np.cos(bearing), distance * np.sin(bearing)], axis=1)
-    worse = LOOK_DISTANCE_COST * np.abs(distance - BEST_LOOK_M) + LOOK_BEARING_COST * np.abs(bearing)
-    return offsets, 1.0 - worse
+    def _free_or_cleared(self, activity: Activity) -> Way | None:
+        here: Pose2 = self._believed.world_T_base
+        if self.ready(activity) is None:
+            move = self.approach(activity)
+            if move is None:
+                return self._kept_way("cleared", activity, self._cleared)
+            here = compose2(here, move.start_T_waypoint[-1])
+        return self._wide_or_narrow(activity, lambda: self._clearing.way_from(activity, here))

@@ -1,6 +1,8 @@
 """Whether the robot, from where it stands, can turn its camera to something and see it."""
 
 import math
+from collections.abc import Collection
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +20,28 @@ _OVER = (-0.35, 0.0, 0.35)  # where on a table, in widths
 _PATCH_M = 0.05  # half the width of the piece of a table that is to be seen before something is put there
 
 
+@dataclass(frozen=True, slots=True)
+class View:
+    """What the camera was turned to.
+
+    Attributes:
+        head: Pan and tilt.
+        target: The point in the middle of the image.
+        points: What should be seen, shape (n, 3).
+        body: The one that may be before them: their own.
+        share: Of the points, how many must be seen.
+    """
+
+    head: tuple[float, float]
+    target: Vector3
+    points: Floats
+    body: int
+    share: float
+
+
 def look(world: BelievedWorld, item: Standing) -> tuple[float, float] | None:
     """Turn the head to a standing object and return pan and tilt; None if it is too near, too far, or hidden."""
-    target = centre(item.type, item.world_T_object)
-    is_table = item.type.shape == "table"
-    eye = world.robot.camera_pose()[0]
-    points = _on_table(item) if is_table else _near_side(item, eye)
-    return _look(world, target, points, item.body, TABLE_SHARE if is_table else THING_SHARE)
+    return _seen(world, towards(world, item))
 
 
 def look_at_spot(world: BelievedWorld, table: Standing, spot: tuple[float, float]) -> tuple[float, float] | None:
@@ -33,7 +50,34 @@ def look_at_spot(world: BelievedWorld, table: Standing, spot: tuple[float, float
     target = compose4(table.world_T_object, (*spot, top, 0.0))[:3]
     offsets = [(dx, dy) for dx in (-_PATCH_M, 0.0, _PATCH_M) for dy in (-_PATCH_M, 0.0, _PATCH_M)]
     points = [compose4(table.world_T_object, (spot[0] + dx, spot[1] + dy, top, 0.0))[:3] for dx, dy in offsets]
-    return _look(world, target, np.array(points), table.body, THING_SHARE)
+    return _seen(world, _turn(world, target, np.array(points), table.body, THING_SHARE))
+
+
+def towards(world: BelievedWorld, item: Standing) -> View | None:
+    """Turn the head to a standing object, hidden or not; None if it is too near, too far or out of the neck's limits."""
+    target = centre(item.type, item.world_T_object)
+    is_table = item.type.shape == "table"
+    eye = world.robot.camera_pose()[0]
+    points = _on_table(item) if is_table else _near_side(item, eye)
+    return _turn(world, target, points, item.body, TABLE_SHARE if is_table else THING_SHARE)
+
+
+def hiders(world: BelievedWorld, view: View, movable: Collection[str]) -> tuple[str, ...] | None:
+    """Return which movable things to take away for a view to be seen, what hides most first; None if none helps.
+
+    The head must be turned as the view says. What stands behind something taken away may hide the view in its turn.
+    """
+    gone: tuple[str, ...] = ()
+    while True:
+        with world.removed(gone):
+            hits = world.hits(view.points)
+        if sum(hit in (view.body, -1) for hit in hits) >= view.share * len(hits):
+            return gone
+        counts = {a: hits.count(world.standing[a].body) for a in movable if a not in gone}
+        most = max(sorted(counts), key=lambda anchor: counts[anchor], default=None)
+        if most is None or counts[most] == 0:
+            return None
+        gone = (*gone, most)
 
 
 def centre(object_type: ObjectType, world_T_object: Pose4) -> Vector3:
@@ -43,12 +87,17 @@ def centre(object_type: ObjectType, world_T_object: Pose4) -> Vector3:
     return (x, y, z + (height if object_type.shape == "table" else height / 2.0))
 
 
-def _look(world: BelievedWorld, target: Vector3, points: Floats, body: int, share: float) -> tuple[float, float] | None:
-    """Turn the head to a point and return pan and tilt if it is in range and enough of the points is seen."""
-    turned = world.look_at(target)
-    if turned is None or not NEAREST_M <= math.dist(world.robot.camera_pose()[0], target) <= FARTHEST_M:
+def _seen(world: BelievedWorld, view: View | None) -> tuple[float, float] | None:
+    """Return pan and tilt of a view if enough of it is seen."""
+    return None if view is None or world.seen_share(view.points, view.body) < view.share else view.head
+
+
+def _turn(world: BelievedWorld, target: Vector3, points: Floats, body: int, share: float) -> View | None:
+    """Turn the head to a point and return the view if it is in range."""
+    head = world.look_at(target)
+    if head is None or not NEAREST_M <= math.dist(world.robot.camera_pose()[0], target) <= FARTHEST_M:
         return None
-    return turned if world.seen_share(points, body) >= share else None
+    return View(head, target, points, body, share)
 
 
 def _near_side(item: Standing, eye: Floats) -> Floats:

@@ -24,7 +24,7 @@ from skolem.sim.noise import Extrinsics, Purpose, extrinsic_error, odometry_erro
 from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap
 from skolem.sim.supports import Support
 from skolem.sim.symbolic_arm import CARRY, base_T_tool
-from skolem.sim.symbolic_view import Solid, camera, depth_view, in_sight
+from skolem.sim.symbolic_view import Solid, camera, depth_view, in_sight, table_in_sight
 from skolem.sim.truth import TrueBody
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
@@ -50,6 +50,7 @@ from skolem.traces.messages import (
 )
 
 GRAVITY = 9.81
+TABLE_SD_M, TABLE_SD_RAD = 0.005, 0.01  # of a seen table beside the camera's error
 CAPTURE_M, CAPTURE_RAD = 0.03, 0.2  # a hand closes on what is this near to where it was planned to be
 OPEN_GAP_M = 0.086  # between the open fingers
 FULL_POINTS = 2000.0  # pixels on a can one metre from a camera of 320 x 240
@@ -261,7 +262,7 @@ class SymbolicWorld:
         return self._result(step), Observation(step=step, kind="weigh", wrench=wrench)
 
     def _look(self, step: int) -> Observation:
-        """Return what the detector reports of the things in sight, and the depth image."""
+        """Return what the detector reports of the things and tables in sight, and the depth image."""
         held = {name for name, _ in self._held.values()}
         base_T_world = inverse4(raised(self._world_T_base))
         solids = [
@@ -276,8 +277,15 @@ class SymbolicWorld:
             for solid in solids
             if solid.type.graspable and in_sight(frame, solid, [other for other in solids if other.id != solid.id])
         ]
-        tops = tuple(_top(solid) for solid in solids if solid.type.shape == "table")
-        report = Seen(canonical_order(seen), tuple(top for top in tops if len(top.points)), frame.origin)
+        tables = [solid for solid in solids if solid.type.shape == "table"]
+        tops = tuple(_top(solid) for solid in tables)
+        edges = [
+            self._table_detection(solid, _misplaced(_of_top(solid), frame.origin, frame.axes, error), frame.origin)
+            for solid in tables
+            if table_in_sight(frame, solid, [other for other in solids if other.id != solid.id])
+        ]
+        supports = tuple(top for top in tops if len(top.points))
+        report = Seen(canonical_order(seen), supports, frame.origin, canonical_order(edges))
         detections = worsen(report, self._types, self._noise, self._seed, step)
         view = depth_view(frame, solids, misplaced(frame, error))
         return Observation(step=step, kind="look", detections=detections, view=view)
@@ -300,6 +308,23 @@ class SymbolicWorld:
             points=max(1, round(FULL_POINTS / distance**2)),
         )
 
+    def _table_detection(self, solid: Solid, base_T_top: Pose4, camera_base: NDArray[np.float64]) -> Detection:
+        """Return the detection of a table whose top is seen at a pose."""
+        x, y, z, theta = base_T_top
+        base_T_table = (x, y, z - solid.type.size_m[2], wrap(2.0 * theta) / 2.0)
+        fit = np.diag([TABLE_SD_M**2, TABLE_SD_M**2, TABLE_SD_RAD**2])
+        h, s, v = self._bodies[solid.id].hsv
+        distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))
+        return Detection(
+            base_T_object=base_T_table,
+            covariance=pose_covariance(fit, (x, y, z, base_T_table[3]), camera_base, self._noise),
+            type_log_likelihood={
+                name: _likeness(solid.type, kind) for name, kind in sorted(self._types.items()) if kind.shape == "table"
+            },
+            rgb=colorsys.hsv_to_rgb(h, s, min(1.0, v * self._noise.colour_gain)),
+            points=max(1, round(FULL_POINTS / distance**2)),
+        )
+
 
 def _misplaced(base_T_solid: Pose4, eye: NDArray[np.float64], axes: NDArray[np.float64], error: Extrinsics) -> Pose4:
     """Return where a camera with that calibration error believes a solid to be, upright as before."""
@@ -308,6 +333,11 @@ def _misplaced(base_T_solid: Pose4, eye: NDArray[np.float64], axes: NDArray[np.f
     a, b, c = (eye + axes @ (error.turn @ point_camera + error.shift)).tolist()
     turned = axes @ error.turn @ axes.T @ (math.cos(theta), math.sin(theta), 0.0)
     return (a, b, c, math.atan2(turned[1], turned[0]))
+
+
+def _of_top(table: Solid) -> Pose4:
+    """Return the pose of the middle of a table's top."""
+    return compose4(table.base_T_solid, (0.0, 0.0, table.type.size_m[2], 0.0))
 
 
 def _top(solid: Solid) -> Support:

@@ -1,7 +1,7 @@
 """What the symbolic robot's camera sees: rays against boxes and upright cylinders, no pixels.
 
 The camera sits where the PR2's Kinect does. An object is seen if it is near enough, wholly inside the image, and mostly
-unhidden.
+unhidden; a table if enough of the edges of its top is.
 """
 
 import math
@@ -28,6 +28,8 @@ TILT_LIMITS_RAD = (-0.471, 1.396)
 FAR_M = 4.5  # nothing comes back from beyond
 SIGHT_M = 2.4  # beyond it the detector cannot tell things from their support
 SEEN_SHARE = 0.75  # of an object's outline that must be in sight
+EDGE_SHARE = 0.3  # of the edges of a table's top: two corners and what is between them
+EDGE_POINTS = 9  # tried along each edge
 HEAD_TURNS = 20  # fixed-point steps of `head_towards`, enough for 1e-6 rad
 TOP_THICKNESS_M = 0.04  # of a table, which one can see below
 
@@ -117,6 +119,19 @@ def in_sight(frame: Frame, solid: Solid, others: Sequence[Solid]) -> bool:
     if (np.abs(up / forward) > half).any() or (np.abs(left / forward) > half * ASPECT).any():
         return False
     return bool((cast(frame, toward, others) > 1.0).mean() >= SEEN_SHARE)
+
+
+def table_in_sight(frame: Frame, table: Solid, others: Sequence[Solid]) -> bool:
+    """Return whether the detector could report a table: enough of its edges near, in the image, not behind `others`."""
+    half = np.array(table.type.size_m[:2]) / 2.0
+    along = np.linspace(-1.0, 1.0, EDGE_POINTS)
+    edges = [half * (u, v) for t in along for u, v in ((t, -1.0), (t, 1.0), (-1.0, t), (1.0, t))]
+    points = np.array([compose4(table.base_T_solid, (u, v, table.type.size_m[2], 0.0))[:3] for u, v in edges])
+    toward = points - frame.origin
+    forward, left, up = (toward @ frame.axes).T
+    limit = math.tan(FOVY_RAD / 2.0) * forward
+    seen = (np.abs(up) < limit) & (np.abs(left) < limit * ASPECT) & (np.linalg.norm(toward, axis=1) < SIGHT_M)
+    return bool((seen & (cast(frame, toward, others) > 1.0 - 1e-6)).mean() >= EDGE_SHARE)
 
 
 def _outline(eye: Floats, solid: Solid) -> Floats:

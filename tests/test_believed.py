@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from skolem.sim import bodies
-from skolem.sim.believed import BelievedWorld, relative_covariance
+from skolem.sim.believed import BelievedWorld
+from skolem.sim.doubt import relative_covariance
 from skolem.sim.poses import compose2, inverse2, raised
 from skolem.traces.messages import Belief, Pose2
 

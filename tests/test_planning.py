@@ -37,6 +37,7 @@ class Doing:
     anchor: str
     hand: Hand | None = None
     support: str | None = None
+    clear_of: "Doing | None" = None
 
 
 @pytest.fixture(scope="module")

@@ -220,6 +220,12 @@ def test_relative_pose_is_known_far_better_than_the_world_pose_after_a_drive() -
     assert (sds(seen, BASE, "can") < sds(placed, BASE, "can")).all()
 
 
+def test_mean_alone_is_that_of_the_relative_pose() -> None:
+    graph = graph_of(random_log(7))
+    for a, b in ((BASE, "can1"), ("can0", "can2"), ("can3", BASE)):
+        assert graph.mean(a, b) == graph.relative(a, b)[0]
+
+
 def test_sd_of_a_prior_lies_along_the_axes_of_the_object() -> None:
     mean, covariance = graph_of([began({"can": (1.0, 0.0, math.pi / 2)}, base_sd=0.0)]).relative(BASE, "can")
     assert mean == pytest.approx((1.0, 0.0, math.pi / 2))
