@@ -56,6 +56,10 @@ class BeliefQueries(Protocol):
         """P(the object rests wholly on the top of `support`); 0 while it is held."""
         ...
 
+    def support(self, anchor: str) -> str | None:
+        """What the object most likely rests on; None: the floor, nothing known, or a hand."""
+        ...
+
     def prob_property_of_new(self, meaning: Meaning) -> float:
         """P(an arbitrary object that nobody has met yet has the property)."""
         ...

@@ -125,6 +125,15 @@ class Queries:
         """Anchors things can be put on: those no hand can hold."""
         return [a for a in self._now.anchors() if not self._now.belief.graspable(a)]
 
+    def support_of(self, anchor: str) -> list[Term]:
+        """What the anchor rests on, if that is an anchor."""
+        support = self._now.belief.support(anchor)
+        return [support] if support in self._now.anchors() else []
+
+    def standing_on(self, support: Term) -> list[Term]:
+        """The anchors that rest on another one."""
+        return [a for a in self._now.anchors() if self._now.belief.support(a) == support]
+
     def distance(self, anchor: str) -> Term:
         """From the base to the anchor, millimetres."""
         mean = self._now.belief.gaussian("pose", anchor).mean

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.sim import grasps, ik, motion
-from skolem.sim.believed import BelievedWorld, Carried, Standing
+from skolem.sim.believed import BelievedWorld
 from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4, raised, rotation, wrap
 from skolem.sim.pr2 import CARRY
 from skolem.sim.reach import Reaching, reaching
+from skolem.sim.standing import Carried, Standing
 from skolem.traces.messages import Hand, Joints7, Pick, Place, Pose4
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,6 @@ import contextlib
 import dataclasses
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from skolem.sim.bullet import p
 from skolem.sim.doubt import spread
 from skolem.sim.poses import Vector3, compose2, flat, inverse2
 from skolem.sim.pr2 import ARM, BASE, FINGER_OPEN_RAD, HEAD, PR2
+from skolem.sim.standing import Carried, Standing
 from skolem.traces.messages import HANDS, Belief, Hand, ObjectType, Pose2, Pose4
 
 Floats = NDArray[np.float64]
@@ -34,40 +34,6 @@ CENTRED = 1e-3  # tangent of the largest angle between the optical axis and the 
 CARRIED_KG = 0.1  # any mass: PyBullet lets two immovable bodies pass through one another
 _GREY = (0.6, 0.6, 0.6, 1.0)
 _AWAY_M, _APART_M = -50.0, 5.0  # where bodies wait that are not believed at the moment
-
-
-@dataclass(frozen=True, slots=True)
-class Standing:
-    """A believed object that no hand holds.
-
-    Attributes:
-        anchor: Its name.
-        type: Its most likely type.
-        world_T_object: Mean pose.
-        spread_m: How much wider its body is on every side.
-        doubt_m: How much wider it is before a moving arm, the margin not counted; tables too.
-        body: In the physics client.
-        support: Anchor of what it stands on, if known.
-    """
-
-    anchor: str
-    type: ObjectType
-    world_T_object: Pose4
-    spread_m: float
-    doubt_m: float
-    body: int
-    support: str | None
-
-
-@dataclass(frozen=True, slots=True)
-class Carried:
-    """A believed object in a hand."""
-
-    hand: Hand
-    anchor: str
-    type: ObjectType
-    tool_T_object: Pose4
-    body: int
 
 
 class BelievedWorld:
@@ -388,6 +354,14 @@ class BelievedWorld:
     def seen_share(self, points_world: Floats, body: int) -> float:
         """Return which share of points, shape (n, 3), the camera sees: nothing but `body` itself is in the way."""
         return sum(hit in (body, -1) for hit in self.hits(points_world)) / len(points_world)
+
+    def camera_pose(self) -> tuple[Floats, Floats]:
+        """Return the camera's position, shape (3,), and rotation world_R_camera, shape (3, 3); x is forward."""
+        return self.robot.camera_pose()
+
+    def unhidden(self, points_world: Floats) -> NDArray[np.bool_]:
+        """Return which points, shape (n, 3), the camera would see if it looked there: nothing is before them."""
+        return np.array(self.hits(points_world), dtype=np.int64) == -1
 
     def hits(self, points_world: Floats) -> list[int]:
         """Return the first body between the camera and each of points, shape (n, 3); -1 where there is none."""

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from skolem.sim import arm_motions, grasps, reach, stances
 from skolem.sim.activities import Activity
 from skolem.sim.arm_motions import Spots
-from skolem.sim.believed import BelievedWorld, Standing
+from skolem.sim.believed import BelievedWorld
 from skolem.sim.poses import compose2, flat
+from skolem.sim.standing import Standing
 from skolem.traces.messages import Hand, Pose2
 
 Floats = NDArray[np.float64]

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.sim.believed import BelievedWorld, Standing
+from skolem.sim.believed import BelievedWorld
 from skolem.sim.poses import Vector3, compose4
+from skolem.sim.standing import Standing
 from skolem.traces.messages import ObjectType, Pose4
 
 Floats = NDArray[np.float64]
@@ -54,7 +55,7 @@ def look_at_spot(world: BelievedWorld, table: Standing, spot: tuple[float, float
 
 
 def towards(world: BelievedWorld, item: Standing) -> View | None:
-    """Turn the head to a standing object, hidden or not; None if it is too near, too far or out of the neck's limits."""
+    """Turn the head to a standing object, hidden or not; None if it is out of range or of the neck's reach."""
     target = centre(item.type, item.world_T_object)
     is_table = item.type.shape == "table"
     eye = world.robot.camera_pose()[0]

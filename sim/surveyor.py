@@ -11,10 +11,6 @@ from skolem.sim.candidates import Candidates
 from skolem.sim.surveys import Survey
 from skolem.traces.messages import Belief, LookAt, Pose2
 
-ENOUGH_SHARE = 0.3  # of what is unseen: a look that shows so much is worth taking wherever one stands
-ALMOST_BEST = 0.7  # ... as is one that shows so much of what the best stance shows
-LEAST_SHARE = 0.04  # a look that shows less is none
-SAME_HEAD_RAD = 0.01  # a look that would not turn the head by more was just taken: it shows nothing new
 ELSEWHERE_M = 0.5  # then one has to look from at least so far away
 METRE_COST = 0.02  # share that is given up to drive a metre less
 STANCE_MARGIN_M = 0.04  # distance that all of the robot keeps to everything where it stops
@@ -38,18 +34,18 @@ class Surveyor:
         """Return points of what is unseen of a region, shape (n, 3), world; none if there is no such region."""
         believed = self._belief.regions.get(region)
         support = None if believed is None else self._world.standing.get(believed.support)
-        return np.empty((0, 3)) if believed is None or support is None else surveys.unseen_points(believed, support)
+        if believed is None or support is None:
+            return np.empty((0, 3))
+        return surveys.unseen_points(believed, support.world_T_object, support.type.size_m[2])
 
     def look(self, region: str) -> LookAt | None:
         """Return the look at a region from where the robot is believed to stand, or None if it must go elsewhere."""
         self._world.reset()
         here = self.from_here(region)
-        if here is None or here.share < LEAST_SHARE or self._was_taken(here):
+        if here is None or surveys.was_taken(here, self._belief.robot.head):
             return None
-        if here.share < ENOUGH_SHARE:
-            best = max((found.share for _, found in self.stances(region)), default=0.0)
-            if here.share < ALMOST_BEST * best:
-                return None
+        if not surveys.is_worth_it(here, lambda: [found for _, found in self.stances(region)]):
+            return None
         return LookAt(pan=here.head[0], tilt=here.head[1])
 
     def from_here(self, region: str) -> Survey | None:
@@ -64,16 +60,12 @@ class Surveyor:
             found = [] if not len(points) else self._surveys(region, points)
             self._world.reset()
             just = self.from_here(region)
-            if just is not None and self._was_taken(just):
+            if just is not None and surveys.was_taken(just, self._belief.robot.head):
                 found = [(stance, share) for stance, share in found if math.dist(stance[:2], here[:2]) >= ELSEWHERE_M]
             value = [share.share - METRE_COST * math.dist(stance[:2], here[:2]) for stance, share in found]
             order = np.argsort(-np.round(value, 9), kind="stable")
             self._compared[key] = [found[k] for k in order]
         return self._compared[key]
-
-    def _was_taken(self, found: Survey) -> bool:
-        """Return whether the head is turned that way already: what the picture should have shown did not appear."""
-        return bool(np.abs(np.subtract(found.head, self._belief.robot.head)).max() < SAME_HEAD_RAD)
 
     def _surveys(self, region: str, points: NDArray[np.float64]) -> list[tuple[Pose2, Survey]]:
         support = self._world.standing[self._belief.regions[region].support]
@@ -85,6 +77,6 @@ class Surveyor:
             self._world.reset(stance)
             if self._world.free() and self._world.clear(STANCE_MARGIN_M):
                 found = surveys.survey(self._world, points)
-                if found is not None and found.share >= LEAST_SHARE:
+                if found is not None and found.share >= surveys.LEAST_SHARE:
                     out.append((stance, found))
         return out

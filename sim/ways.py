@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.sim import bodies, grasps
-from skolem.sim.believed import BelievedWorld, Carried
+from skolem.sim.believed import BelievedWorld
 from skolem.sim.poses import Vector3
+from skolem.sim.standing import Carried
 from skolem.traces.messages import Hand, ObjectType, Pick, Pose2, Pose4
 
 Floats = NDArray[np.float64]

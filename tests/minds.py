@@ -119,6 +119,10 @@ class TableBelief:
         thing = self.things[anchor]
         return 0.98 if thing.on == support and thing.hand is None else 0.0
 
+    def support(self, anchor: str) -> str | None:
+        thing = self.things[anchor]
+        return thing.on if thing.hand is None else None
+
     def graspable(self, anchor: str) -> bool:
         return "table" not in self.things[anchor].types
 
@@ -131,15 +135,15 @@ class TableBelief:
             return Normal(np.array([thing.ln_kg[0]]), np.array([[thing.ln_kg[1] ** 2]]), thing.exists)
         if quantity == "colour":
             return Normal(np.array(thing.hsv), np.eye(3) * thing.hsv_sd**2, thing.exists)
-        return Normal(np.zeros(3), np.diag([thing.pose_sd**2, thing.pose_sd**2, 4.0]), thing.exists)
+        yaw = thing.pose_sd if "table" in thing.types else 2.0
+        return Normal(np.zeros(3), np.diag([thing.pose_sd, thing.pose_sd, yaw]) ** 2, thing.exists)
 
     def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
-        del anchor
         if quantity == "weight":
             return np.array([[0.1**2]])
         if quantity == "colour":
             return np.diag([0.01, 0.03, 0.03]) ** 2
-        return np.diag([0.005, 0.005, 2.0]) ** 2
+        return np.diag([0.005, 0.005, 0.01 if "table" in self.things[anchor].types else 2.0]) ** 2
 
     def prob_detected(self, anchor: str) -> float:
         del anchor
@@ -166,10 +170,11 @@ class TableGeometry:
         del belief
 
     def drive(self, activity: str) -> None:
-        """Stand where `activity` can be done; where an object can be picked it is seen too."""
+        """Stand where `activity` can be done; where an object can be picked, or a support placed on, it is seen too."""
         self.at = {activity}
-        if activity.startswith("pick("):
-            self.at.add(f"look({activity.removesuffix(')').split(', ')[1]})")
+        kind, _, arguments = activity.removesuffix(")").partition("(")
+        if kind in ("pick", "place"):
+            self.at.add(f"look({arguments.split(', ')[1 if kind == 'pick' else 2]})")
 
     def ready(self, activity: Activity) -> Command | None:
         self.asked.append(f"ready {activity}")

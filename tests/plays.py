@@ -84,8 +84,10 @@ class Play:
         obj = self.belief.things[turn.action.args[0]]
         match command.kind:
             case "look_at":
-                obj.pose_sd = 0.004
-                obj.types = self.shows_type(turn.action.args[0])
+                for seen in (obj, *([self.belief.things[obj.on]] if obj.on else [])):
+                    seen.pose_sd = 0.004
+                if "table" not in obj.types:
+                    obj.types = self.shows_type(turn.action.args[0])
                 if turn.action.args[0] in self.hues:
                     obj.hsv, obj.hsv_sd = (self.hues[turn.action.args[0]], 0.9, 0.8), 0.01
             case "pick":

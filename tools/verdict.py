@@ -66,6 +66,10 @@ class Truth:
         outer = footprint(self._types[under.type], flat(under.world_T_object))
         return float(overhang(inner, outer) <= 0.0)
 
+    def support(self, anchor: str) -> str | None:
+        """What the object rests on."""
+        return self._objects[anchor].on
+
     def prob_property_of_new(self, meaning: Meaning) -> float:
         """0: the truth knows every object."""
         return 0.0
