@@ -8,7 +8,7 @@ from skolem.tools import session
 from skolem.tools.live import watcher_for
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.errors import InputError, SkolemError
-from skolem.traces.messages import TICKS_PER_SECOND, RunStatus
+from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
 
 EXIT: dict[RunStatus, int] = {
     "goal_achieved": 0,
@@ -59,11 +59,25 @@ def verdict_text(setup: session.Setup, outcome: session.Outcome, status: RunStat
         said = "goal believed achieved" if status == "goal_achieved" else f"goal not achieved: {reason}"
         best = about if status == "goal_achieved" else f"best candidate {about}"
         lines.append(f"{said}; {best}; {counts}")
+        if status != "goal_achieved":
+            lines += explanation(outcome.end)
     if outcome.verdict is not None:
         witness = f" ({outcome.verdict.witness})" if outcome.verdict.witness else ""
         lines.append(f"true in the simulator: {'yes' + witness if outcome.verdict.true else 'no'}")
     lines.append(f"trace: {trace} (content {outcome.content_hash[:12]})")
     return "\n".join(lines)
+
+
+def explanation(end: RunEnd) -> list[str]:
+    """Return what speaks against the best candidate, and what has been searched."""
+    lines = []
+    if end.conjuncts:
+        shares = ", ".join(f"{word} {p:.3f}" for word, p in sorted(end.conjuncts.items(), key=lambda item: item[1]))
+        lines.append(f"  of {end.anchor} is believed: {shares}")
+    if end.regions:
+        seen = ", ".join(f"{region} {100 * part:.0f} %" for region, part in end.regions.items())
+        lines.append(f"  seen of the regions: {seen}")
+    return lines
 
 
 def unused(path: Path) -> Path:

@@ -398,6 +398,8 @@ def summary(
         "anchor": None if end is None else end.anchor,
         "witness": None if judged is None else judged.witness,
         "goal_probability": None if end is None else end.goal_probability,
+        "conjuncts": {} if end is None else end.conjuncts,
+        "regions": {} if end is None else end.regions,
         "actions": outcome.actions,
         "replans": outcome.replans,
         "clingo_calls": outcome.clingo_calls,
