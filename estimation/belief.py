@@ -234,6 +234,7 @@ class Belief:
     def _object(self, anchor: str, joint: Joint, index: int) -> ObjectBelief:
         track = self._tracks[anchor]
         log_kg, variance = track.weight.matched()
+        stranger = self._tracks.stranger()
         return ObjectBelief(
             exists=track.exists,
             type=track.types.probabilities,
@@ -243,9 +244,9 @@ class Belief:
             in_hand=track.hand,
             tool_T_object=self._grasp(track),
             colour=messages.HsvBelief(mean=track.colour.mean, variance=track.colour.variance),
-            colour_seen=track.colour.seen,
+            colour_seen=track.colour != stranger.colour,
             log_weight=(log_kg + 0.0, variance + 0.0),
-            weighed=track.weight.count > 0,
+            weighed=track.weight != stranger.weight,
         )
 
     def _z(self, track: Track) -> float:

@@ -75,7 +75,7 @@ class Situation:
                 return nll(self.probability(phi)) <= p
             case Compound("bn", (Compound(quantity, (str(anchor),)), mu, sigma, delta, p)):
                 return self._gaussian_holds(quantity, anchor, mu, sigma, delta, p)
-            case Compound("krd", (str(anchor),)):
+            case Compound("krd", (anchor,)):
                 return anchor in self._anchors
             case Compound("holding", (str(anchor),)):
                 return self.hand_of(anchor) is not None

@@ -73,7 +73,7 @@ def read_vocabulary(facts: Iterable[tuple[Compound, Place]]) -> tuple[Vocabulary
             meaning = read(fact, place, faults)
             if meaning is not None:
                 meanings[word] = meaning
-    warnings = _overlaps(chosen["colour"], meanings)
+    warnings = _overlaps(chosen["colour"], meanings) + _gaps(chosen["colour"], meanings)
     return Vocabulary(dict(sorted(types.items())), dict(sorted(meanings.items()))), faults, warnings
 
 
@@ -178,6 +178,28 @@ def _overlaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, 
         for first, second in combinations(sorted(volumes), 2)
         if _share(volumes[first], volumes[second])
     ]
+
+
+def _gaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, Meaning]) -> list[Fault]:
+    """Return a warning for every range of hues that has no name where colours are vivid, at full saturation and value.
+
+    It is placed at the fact whose colour the gap follows; a user's own file is where it can be closed.
+    """
+    vivid = [
+        (low, high, word)
+        for word, meaning in sorted(meanings.items())
+        if isinstance(meaning, HsvVolume) and meaning.saturation[1] == 1.0 and meaning.value[1] == 1.0
+        for low, high in _arcs(meaning.hue)
+    ]
+    found: list[Fault] = []
+    end, last = 0.0, ""
+    for low, high, word in [*sorted(vivid), (1.0, 1.0, "")]:
+        if low > end and (last or word):
+            place = colours[last or word][1]
+            found.append(place.fault(f"warning: no colour for the hues {360 * end:g} to {360 * low:g} degrees"))
+        if high > end:
+            end, last = high, word or last
+    return found
 
 
 def _share(a: HsvVolume, b: HsvVolume) -> bool:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from skolem.sim import bodies
 from skolem.sim.bullet import p
-from skolem.sim.doubt import spread
+from skolem.sim.doubt import own_spread, spread
 from skolem.sim.poses import Vector3, compose2, flat, inverse2
 from skolem.sim.pr2 import ARM, BASE, FINGER_OPEN_RAD, HEAD, PR2
 from skolem.sim.standing import Carried, Standing
@@ -81,9 +81,10 @@ class BelievedWorld:
                 continue
             doubt = spread(belief, anchor, SPREAD_LIMIT_M if object_type.graspable else TABLE_SPREAD_LIMIT_M)
             wider = doubt if object_type.graspable else 0.0
+            own = own_spread(belief, anchor, SPREAD_LIMIT_M) if object_type.graspable else 0.0
             body = self._body(anchor, object_type, wider, None)
             self.standing[anchor] = Standing(
-                anchor, object_type, believed.world_T_object, wider, doubt, body, believed.support
+                anchor, object_type, believed.world_T_object, wider, doubt, own, body, believed.support
             )
         self.reset()
         self._narrow_what_touches()
@@ -94,7 +95,8 @@ class BelievedWorld:
             self.standing[anchor] = self._narrow(self.standing[anchor])
 
     def _narrow(self, item: Standing) -> Standing:
-        """Have an object's body take its mere size."""
+        """Have an object's body take its mere size, and itself its mean place."""
+        item = dataclasses.replace(item, own_m=0.0)
         if item.spread_m > 0.0:
             self._park(item.body)
             item = dataclasses.replace(item, spread_m=0.0, body=self._body(item.anchor, item.type, 0.0, None))
@@ -350,10 +352,6 @@ class BelievedWorld:
             self.robot.set_joints(dict(zip(HEAD, before, strict=True)))
             return None
         return pan, tilt
-
-    def seen_share(self, points_world: Floats, body: int) -> float:
-        """Return which share of points, shape (n, 3), the camera sees: nothing but `body` itself is in the way."""
-        return sum(hit in (body, -1) for hit in self.hits(points_world)) / len(points_world)
 
     def camera_pose(self) -> tuple[Floats, Floats]:
         """Return the camera's position, shape (3,), and rotation world_R_camera, shape (3, 3); x is forward."""

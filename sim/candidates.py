@@ -59,7 +59,7 @@ class Candidates:
         directions = stances.headings(support.world_T_object[3])[:: stances.HEADINGS // SURVEY_HEADINGS]
         quality = np.ones((len(offsets), len(directions)))
         found, cost = stances.around(np.array([middle]), np.zeros(1), offsets, quality, directions, here)
-        return stances.standable(found, cost, self._outlines())
+        return stances.standable(found, cost, self._outlines(), stances.AMPLE_M)
 
     def _outlines(self) -> list[stances.Footprint]:
         return [_footprint(item) for item in self._world.ground()]

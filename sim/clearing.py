@@ -71,7 +71,7 @@ class Clearing:
         item = self._world.standing[activity.anchor]
         view = sight.towards(self._world, item)
         target = sight.centre(item.type, item.world_T_object)
-        return Way(activity.anchor, stance, target, np.empty((0, 3)) if view is None else view.points, sweep)
+        return Way(activity.anchor, stance, target, np.empty((0, 3)) if view is None else view.points[0], sweep)
 
     def _bare(self, activity: Activity, belief: Belief) -> Iterator[Way]:
         """Yield ways with nothing movable in the world."""

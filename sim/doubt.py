@@ -16,26 +16,44 @@ SPREAD_SDS, SPREAD_STEP_M = 2.0, 0.005
 
 def spread(belief: Belief, anchor: str, limit_m: float) -> float:
     """Return by how much an object may be beside its mean place, in whole steps, at most `limit_m`."""
-    deviation = math.sqrt(max(0.0, float(np.linalg.eigvalsh(relative_covariance(belief, anchor)[:2, :2])[-1])))
-    return min(SPREAD_STEP_M * math.ceil(SPREAD_SDS * deviation / SPREAD_STEP_M - 1e-9), limit_m)
+    return _in_steps(_deviation(relative_covariance(belief, anchor)), limit_m)
 
 
-def relative_covariance(belief: Belief, anchor: str) -> Floats:
-    """Return the covariance of base_T_object, shape (3, 3), x, y [m], theta [rad], tangent space, object frame.
+def own_spread(belief: Belief, anchor: str, limit_m: float) -> float:
+    """Return by how much an object may be beside its place among the others: the least spread relative to one of them.
 
-    The base is the key of the joint covariance that names no object. Without both rows: the object's own marginal.
+    What was seen together shares the error of the camera and of every drive since, so one still hides the other or not.
     """
-    base = next((key for key in belief.keys if key not in belief.objects), None)
+    others = [key for key in belief.keys if key != anchor] if anchor in belief.keys else []
+    deviations = [_deviation(relative_covariance(belief, anchor, other)) for other in others]
+    return _in_steps(min(deviations, default=_deviation(relative_covariance(belief, anchor))), limit_m)
+
+
+def relative_covariance(belief: Belief, anchor: str, other: str | None = None) -> Floats:
+    """Return the covariance of other_T_object, shape (3, 3), x, y [m], theta [rad], tangent space, object frame.
+
+    The other is the base unless named: the key of the joint covariance that names no object. Without both rows: the
+    object's own marginal.
+    """
+    base = other or next((key for key in belief.keys if key not in belief.objects), None)
     if base is None or anchor not in belief.keys:
         return _symmetric(belief.objects[anchor].covariance, 3)
     joint = _symmetric(belief.joint_covariance, 3 * len(belief.keys))
     rows = [3 * belief.keys.index(key) + i for key in (base, anchor) for i in range(3)]
-    object_T_base = compose2(inverse2(flat(belief.objects[anchor].world_T_object)), belief.world_T_base)
-    x, y, theta = object_T_base
+    seen_from = flat(belief.objects[base].world_T_object) if base in belief.objects else belief.world_T_base
+    x, y, theta = compose2(inverse2(flat(belief.objects[anchor].world_T_object)), seen_from)
     c, s = math.cos(theta), math.sin(theta)
     adjoint = np.array([[c, -s, y], [s, c, -x], [0.0, 0.0, 1.0]])
     jacobian = np.hstack([-adjoint, np.eye(3)])
     return np.asarray(jacobian @ joint[np.ix_(rows, rows)] @ jacobian.T)
+
+
+def _deviation(covariance: Floats) -> float:
+    return math.sqrt(max(0.0, float(np.linalg.eigvalsh(covariance[:2, :2])[-1])))
+
+
+def _in_steps(deviation: float, limit_m: float) -> float:
+    return min(SPREAD_STEP_M * math.ceil(SPREAD_SDS * deviation / SPREAD_STEP_M - 1e-9), limit_m)
 
 
 def _symmetric(upper: Sequence[float], n: int) -> Floats:

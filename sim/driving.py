@@ -13,26 +13,46 @@ from skolem.traces.messages import Pose2
 
 Floats = NDArray[np.float64]
 
-MARGINS_M = (0.04, 0.02, 0.0)  # distance kept on the way; less only if the start allows no more
+MARGINS_M = (0.10, 0.04, 0.02, 0.0)  # distance kept on the way; less only if there is no way with more
 ROOM_M = 1.5  # how far around everything believed the base may go
 RESOLUTION = 0.07  # m or rad between checked poses: nothing moves farther than the widest margin from a checked one
 STRIDE = 1.5  # m or rad
 BUDGET = 6000  # validity checks; around a table it takes about 2000
+ESCAPES_M, ESCAPE_DIRECTIONS = (0.04, 0.08, 0.12, 0.16), 12  # steps out of what the robot believes it stands in
 SHARPEST_TURN_RAD = 0.5  # between two waypoints, so that the shorter turn is the one meant
 
 
 def drive(world: BelievedWorld, start: Pose2, goal: Pose2, seed: int) -> tuple[Pose2, ...] | None:
-    """Return base poses in the frame of the start, the start first, along a free path; None if none is found."""
+    """Return base poses in the frame of the start, the start first, along a free path; None if none is found.
+
+    A robot that believes it stands in something, by a few centimetres of doubt, steps out of it first.
+    """
     world.reset()
     try:
+        first = _out(world, start)
+        if first is None:
+            return None
         for margin in MARGINS_M:
             problem = _problem(world, start, goal, margin)
-            if problem.valid(np.array(start)):
-                path = motion.plan(problem, np.array(start), np.array(goal), seed)
-                return None if path is None else _from_start(start, path)
+            if problem.valid(np.array(first)) and problem.valid(np.array(goal)):
+                path = motion.plan(problem, np.array(first), np.array(goal), seed)
+                if path is not None:
+                    return _from_start(start, path if first == start else np.vstack([start, path]))
         return None
     finally:
         world.reset()
+
+
+def _out(world: BelievedWorld, start: Pose2) -> Pose2 | None:
+    """Return the start if it is free, else the nearest free pose a step away, else None."""
+    turns = [k * 2.0 * math.pi / ESCAPE_DIRECTIONS for k in range(ESCAPE_DIRECTIONS)]
+    steps = [(0.0, 0.0), *((length, turn) for length in ESCAPES_M for turn in turns)]
+    for length, turn in steps:
+        pose = (start[0] + length * math.cos(turn), start[1] + length * math.sin(turn), start[2])
+        world.set_base(pose)
+        if world.free():
+            return pose
+    return None
 
 
 def _problem(world: BelievedWorld, start: Pose2, goal: Pose2, margin: float) -> motion.Problem:

@@ -6,8 +6,8 @@ Answers are kept until the belief changes. What cannot be done with things as wi
 tried once more with things as they are on average: the alternative would be to give up.
 """
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping
-from typing import TypeVar
 
 import numpy as np
 
@@ -28,9 +28,8 @@ from skolem.traces.messages import HANDS, Belief, Command, MoveBase, ObjectType,
 BASE_STREAM = 3
 SURVEYS_DRIVEN = 8  # stances to look at a region from to which a drive is sought
 WAYS_TRIED = 3  # ways that are tried with what blocks them taken away
+NARROWED = ("look", "pick", "place")
 CLEARABLE = ("look", "look_region", "pick")
-
-T = TypeVar("T")
 
 
 class PlanningWorld:
@@ -73,11 +72,14 @@ class PlanningWorld:
 
     def ready(self, activity: Activity) -> Command | None:
         """Return the command that does the activity from where the robot is believed to stand, or None."""
-        return self._kept("ready", activity, self._ready)
+        if activity.kind == "look":
+            return self._kept("ready", activity, self._ready) or self._doubtful_look(activity)
+        return self._kept("ready", activity, self._ready) or self._kept("ready", activity, self._ready, narrow=True)
 
     def approach(self, activity: Activity) -> MoveBase | None:
         """Return a drive to where the activity can be done, and its object or place be seen, or None."""
         answer = self._kept("approach", activity, self._approach)
+        answer = answer or self._kept("approach", activity, self._approach, narrow=True)
         assert answer is None or isinstance(answer, MoveBase)
         return answer
 
@@ -96,11 +98,24 @@ class PlanningWorld:
 
     # ---------------------------------------------------------------- memory and doubt
 
-    def _kept(self, question: str, activity: Activity, answer: Callable[[Task], Command | None]) -> Command | None:
-        key = self._key(question, activity)
+    def _doubtful_look(self, activity: Activity) -> Command | None:
+        """Return the look that shows the object if it is where it is on average; None if another stance is surer."""
+        if self._kept("approach", activity, self._approach) is not None:
+            return None
+        return self._kept("ready", activity, self._ready, narrow=True)
+
+    def _kept(
+        self, question: str, activity: Activity, answer: Callable[[Task | None], Command | None], narrow: bool = False
+    ) -> Command | None:
+        """Return an answer, made at the first time with everything as wide as its doubt, or as narrow as it is."""
+        if narrow and activity.kind not in NARROWED:
+            return None
+        key = self._key(f"{question} narrow" if narrow else question, activity)
         if key not in self._answers:
             clear_of = None if activity.clear_of is None else self._way_to_keep(activity.clear_of)
-            self._answers[key] = self._wide_or_narrow(activity, lambda: answer(self._task(activity, clear_of)))
+            self._world.reset()
+            with self._world.narrowed() if narrow else contextlib.nullcontext():
+                self._answers[key] = answer(self._task(activity, clear_of))
         return self._answers[key]
 
     def _kept_way(self, question: str, activity: Activity, answer: Callable[[Activity], Way | None]) -> Way | None:
@@ -113,15 +128,6 @@ class PlanningWorld:
         """Return what an answer depends on besides the belief: a hand may be taken for empty."""
         full = (hand for hand in HANDS if hand in self._world.carried)
         return (question, *key_of(activity), *full)
-
-    def _wide_or_narrow(self, activity: Activity, answer: Callable[[], T | None]) -> T | None:
-        """Return an answer with everything as wide as its doubt; if there is none, with everything as it is."""
-        self._world.reset()
-        found = answer()
-        if found is None and activity.kind in ("pick", "place"):
-            with self._world.narrowed():
-                found = answer()
-        return found
 
     @property
     def _believed(self) -> Belief:
@@ -180,7 +186,8 @@ class PlanningWorld:
 
     def _cleared(self, activity: Activity) -> Way | None:
         """Return the way with the fewest blockers, without which the activity can be done."""
-        with self._world.narrowed():
+        self._world.reset()
+        with self._world.narrowed() if activity.kind in NARROWED else contextlib.nullcontext():
             for way in self._clearing.ways(activity, self._believed)[:WAYS_TRIED]:
                 with self._world.removed(way.blockers):
                     if self._approach(self._task(activity, None)) is not None:
@@ -199,4 +206,8 @@ class PlanningWorld:
             if move is None:
                 return self._kept_way("cleared", activity, self._cleared)
             here = compose2(here, move.start_T_waypoint[-1])
-        return self._wide_or_narrow(activity, lambda: self._clearing.way_from(activity, here))
+        way = self._clearing.way_from(activity, here)
+        if way is None:
+            with self._world.narrowed():
+                way = self._clearing.way_from(activity, here)
+        return way

@@ -1,7 +1,7 @@
 """Whether the robot, from where it stands, can turn its camera to something and see it."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,9 +28,9 @@ class View:
     Attributes:
         head: Pan and tilt.
         target: The point in the middle of the image.
-        points: What should be seen, shape (n, 3).
+        points: What should be seen, shape (g, n, 3): of the object at each of the places where it may be.
         body: The one that may be before them: their own.
-        share: Of the points, how many must be seen.
+        share: Of the n points, how many must be seen, wherever it is.
     """
 
     head: tuple[float, float]
@@ -38,6 +38,11 @@ class View:
     points: Floats
     body: int
     share: float
+
+    def is_seen(self, hits: Sequence[int]) -> bool:
+        """Return whether enough of the points is seen, given the first body on the way to each."""
+        free = np.array([hit in (self.body, -1) for hit in hits]).reshape(self.points.shape[:2])
+        return bool(free.mean(axis=1).min() >= self.share)
 
 
 def look(world: BelievedWorld, item: Standing) -> tuple[float, float] | None:
@@ -51,7 +56,7 @@ def look_at_spot(world: BelievedWorld, table: Standing, spot: tuple[float, float
     target = compose4(table.world_T_object, (*spot, top, 0.0))[:3]
     offsets = [(dx, dy) for dx in (-_PATCH_M, 0.0, _PATCH_M) for dy in (-_PATCH_M, 0.0, _PATCH_M)]
     points = [compose4(table.world_T_object, (spot[0] + dx, spot[1] + dy, top, 0.0))[:3] for dx, dy in offsets]
-    return _seen(world, _turn(world, target, np.array(points), table.body, THING_SHARE))
+    return _seen(world, _turn(world, target, np.array([points]), table.body, THING_SHARE))
 
 
 def towards(world: BelievedWorld, item: Standing) -> View | None:
@@ -71,8 +76,8 @@ def hiders(world: BelievedWorld, view: View, movable: Collection[str]) -> tuple[
     gone: tuple[str, ...] = ()
     while True:
         with world.removed(gone):
-            hits = world.hits(view.points)
-        if sum(hit in (view.body, -1) for hit in hits) >= view.share * len(hits):
+            hits = world.hits(view.points.reshape(-1, 3))
+        if view.is_seen(hits):
             return gone
         counts = {a: hits.count(world.standing[a].body) for a in movable if a not in gone}
         most = max(sorted(counts), key=lambda anchor: counts[anchor], default=None)
@@ -90,7 +95,7 @@ def centre(object_type: ObjectType, world_T_object: Pose4) -> Vector3:
 
 def _seen(world: BelievedWorld, view: View | None) -> tuple[float, float] | None:
     """Return pan and tilt of a view if enough of it is seen."""
-    return None if view is None or world.seen_share(view.points, view.body) < view.share else view.head
+    return view.head if view is not None and view.is_seen(world.hits(view.points.reshape(-1, 3))) else None
 
 
 def _turn(world: BelievedWorld, target: Vector3, points: Floats, body: int, share: float) -> View | None:
@@ -102,18 +107,23 @@ def _turn(world: BelievedWorld, target: Vector3, points: Floats, body: int, shar
 
 
 def _near_side(item: Standing, eye: Floats) -> Floats:
-    """Return points in the plane through a thing's axis that faces the eye, within its outline, shape (9, 3)."""
+    """Return points in the plane through a thing's axis that faces the eye, within its outline, shape (g, 9, 3).
+
+    If its place is in doubt, so often: where it is on average and to both sides of that.
+    """
     x, y, z, _ = item.world_T_object
     bearing = math.atan2(eye[1] - y, eye[0] - x)
     half = min(item.type.size_m[:2]) / 2.0
     left = (-math.sin(bearing) * half, math.cos(bearing) * half)
     height = item.type.size_m[2]
-    return np.array([(x + a * left[0], y + a * left[1], z + b * height) for a in _ACROSS for b in _UP])
+    there = np.array([(x + a * left[0], y + a * left[1], z + b * height) for a in _ACROSS for b in _UP])
+    aside = np.array([-math.sin(bearing), math.cos(bearing), 0.0]) * item.own_m
+    return np.array([there + side * aside for side in ((0.0, -1.0, 1.0) if item.own_m > 0.0 else (0.0,))])
 
 
 def _on_table(item: Standing) -> Floats:
-    """Return points spread over a table's top, shape (9, 3)."""
+    """Return points spread over a table's top, shape (1, 9, 3)."""
     depth, width, height = item.type.size_m
     return np.array(
-        [compose4(item.world_T_object, (a * depth, b * width, height, 0.0))[:3] for a in _OVER for b in _OVER]
+        [[compose4(item.world_T_object, (a * depth, b * width, height, 0.0))[:3] for a in _OVER for b in _OVER]]
     )

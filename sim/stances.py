@@ -74,13 +74,13 @@ def around(
     return Stances(np.stack([x, y, directions[h]], axis=1), t), cost
 
 
-def standable(stances: Stances, cost: Floats, obstacles: list[Footprint]) -> Stances:
+def standable(stances: Stances, cost: Floats, obstacles: list[Footprint], clearance_m: float = CLEARANCE_M) -> Stances:
     """Return the stances whose base keeps clear of all obstacles, by rising cost, dearer where it is tight."""
     room = np.full(len(cost), AMPLE_M)
     for obstacle in obstacles:
         room = np.minimum(room, clearance(stances.world_T_base, obstacle))
     cost = np.round(cost + TIGHT_COST * (AMPLE_M - room), 9)
-    keep = np.flatnonzero(room >= CLEARANCE_M)
+    keep = np.flatnonzero(room >= clearance_m)
     keep = keep[np.argsort(cost[keep], kind="stable")]
     return Stances(stances.world_T_base[keep], stances.target[keep])
 

@@ -15,6 +15,7 @@ class Standing:
         world_T_object: Mean pose.
         spread_m: How much wider its body is on every side.
         doubt_m: How much wider it is before a moving arm, the margin not counted; tables too.
+        own_m: How far beside its place among the other things it may be.
         body: In the physics client.
         support: Anchor of what it stands on, if known.
     """
@@ -24,6 +25,7 @@ class Standing:
     world_T_object: Pose4
     spread_m: float
     doubt_m: float
+    own_m: float
     body: int
     support: str | None
 

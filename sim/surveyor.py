@@ -9,11 +9,11 @@ from skolem.sim import surveys
 from skolem.sim.believed import BelievedWorld
 from skolem.sim.candidates import Candidates
 from skolem.sim.surveys import Survey
+from skolem.sim.trials import STANCE_MARGIN_M
 from skolem.traces.messages import Belief, LookAt, Pose2
 
-ELSEWHERE_M = 0.5  # then one has to look from at least so far away
+ELSEWHERE_M = 0.5  # when what a look should have shown did not appear, the next is from at least so far away
 METRE_COST = 0.02  # share that is given up to drive a metre less
-STANCE_MARGIN_M = 0.04  # distance that all of the robot keeps to everything where it stops
 
 
 class Surveyor:

@@ -1,7 +1,8 @@
 """A world without physics: the same actions, observations and noise as the PyBullet one, in microseconds.
 
-What is left out: contact, collisions on the way, the arm in the picture, pixels. What is kept: the true poses nobody
-else reads, the errors of wheels, camera, detector and wrist, and that a hand closing on the wrong place holds nothing.
+What is left out: contact, collisions of the base, the arm in the picture, pixels. What is kept: the true poses nobody
+else reads, the errors of wheels, camera, detector and wrist, that a hand closing on the wrong place holds nothing, and
+that it does not get to where something stands in its way.
 """
 
 import colorsys
@@ -16,6 +17,7 @@ from numpy.random import PCG64, Generator, SeedSequence
 from numpy.typing import NDArray
 
 from skolem.sim.cloud import misplaced
+from skolem.sim.corridors import HAND_M, pillar, standing_in
 from skolem.sim.detection_noise import worsen
 from skolem.sim.detector import Seen, canonical_order, pose_covariance
 from skolem.sim.fitting import HEIGHT_SD_M, MODEL_SD_M, RESIDUAL_SD_M, UNKNOWN_YAW_SD_RAD
@@ -189,11 +191,13 @@ class SymbolicWorld:
         self._bodies[name] = replace(self._bodies[name], world_T_object=world_T_object)
 
     def _pick(self, step: int, command: Pick) -> ActionResult:
-        """Close the hand at the end of `reach` on whatever stands where the object was planned to be."""
+        """Close the hand at the end of `reach` on whatever stands where the object was planned to be, if it can."""
         self._pass(HAND_S)
         hand, joints = command.hand, command.reach[-1]
         world_T_tool = self._world_T_tool(hand, joints)
         name = None if hand in self._held else self._captured(compose4(world_T_tool, command.tool_T_object))
+        if name is not None and self._is_barred(name):
+            name = None
         gap = 0.0
         if name is not None:
             body = self._bodies[name]
@@ -216,6 +220,16 @@ class SymbolicWorld:
             if kind.graspable and body.id not in held and within and (best is None or (offset, body.id) < best):
                 best = (offset, body.id)
         return None if best is None else best[1]
+
+    def _is_barred(self, name: str) -> bool:
+        """Return whether something stands in the corridor through which a hand comes to an object."""
+        held = {held for held, _ in self._held.values()}
+        pillars = {
+            body.id: pillar(body.id, self._types[body.type], body.world_T_object)
+            for body in self._bodies.values()
+            if self._types[body.type].shape != "table" and body.id not in held
+        }
+        return bool(standing_in(self._world_T_base[:2], pillars[name], pillars.values(), HAND_M))
 
     def _slip(self, step: int, number: int, sd_m: float, sd_rad: float) -> Pose4:
         """Draw by how much an object moves in its own frame when fingers close on it or let it go."""

@@ -28,6 +28,7 @@ TILT_LIMITS_RAD = (-0.471, 1.396)
 FAR_M = 4.5  # nothing comes back from beyond
 SIGHT_M = 2.4  # beyond it the detector cannot tell things from their support
 SEEN_SHARE = 0.75  # of an object's outline that must be in sight
+OUTLINE_POINTS = 9
 EDGE_SHARE = 0.3  # of the edges of a table's top: two corners and what is between them
 EDGE_POINTS = 9  # tried along each edge
 HEAD_TURNS = 20  # fixed-point steps of `head_towards`, enough for 1e-6 rad
@@ -110,15 +111,18 @@ def depth_view(frame: Frame, solids: Sequence[Solid], believed: Frame) -> DepthV
 
 def in_sight(frame: Frame, solid: Solid, others: Sequence[Solid]) -> bool:
     """Return whether the detector could report the solid: near, wholly in the image, mostly unhidden by `others`."""
-    outline = _outline(frame.origin, solid)
-    toward = outline - frame.origin
+    toward = outline(frame.origin, solid) - frame.origin
+    return fits(frame, solid) and bool((cast(frame, toward, others) > 1.0).mean() >= SEEN_SHARE)
+
+
+def fits(frame: Frame, solid: Solid) -> bool:
+    """Return whether a solid is near enough and wholly in the image, hidden or not."""
+    toward = outline(frame.origin, solid) - frame.origin
     forward, left, up = (toward @ frame.axes).T
     if forward.min() <= 0.0 or np.linalg.norm(toward, axis=1).max() > SIGHT_M:
         return False
     half = math.tan(FOVY_RAD / 2.0)
-    if (np.abs(up / forward) > half).any() or (np.abs(left / forward) > half * ASPECT).any():
-        return False
-    return bool((cast(frame, toward, others) > 1.0).mean() >= SEEN_SHARE)
+    return not ((np.abs(up / forward) > half).any() or (np.abs(left / forward) > half * ASPECT).any())
 
 
 def table_in_sight(frame: Frame, table: Solid, others: Sequence[Solid]) -> bool:
@@ -134,7 +138,7 @@ def table_in_sight(frame: Frame, table: Solid, others: Sequence[Solid]) -> bool:
     return bool((seen & (cast(frame, toward, others) > 1.0 - 1e-6)).mean() >= EDGE_SHARE)
 
 
-def _outline(eye: Floats, solid: Solid) -> Floats:
+def outline(eye: Floats, solid: Solid) -> Floats:
     """Return points on the left edge, the axis and the right edge of a solid as seen from `eye`, shape (9, 3)."""
     x, y, z, _ = solid.base_T_solid
     width, depth, height = solid.type.size_m

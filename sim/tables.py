@@ -25,7 +25,7 @@ BIN_M = 0.015  # edge points in one bin are of one edge
 HEADINGS = 90  # tried over a quarter turn
 MIN_EDGE_POINTS, MIN_EDGE_M = 12, 0.10
 SLACK_M = 0.03  # edges first located and seen extents may be off by so much
-EXTENT_QUANTILE = 0.002  # of the points on a top: fewer lie beyond its edges by mistake
+EXTENT_QUANTILE = 0.01  # of the points on a top: fewer may be of other things that reach its height beside it
 EDGE_SD_M = 0.002  # of the place of an edge whose points lie dense; all points of an edge share its error
 GAP_SHARE = 1.0 / 6.0  # of the gap between rays that an edge may be off: the rows of pixels mostly cross it aslant
 UNKNOWN_SD = (0.5, 0.5, 1.0)  # m, m, rad: in a direction that no edge constrains
@@ -128,7 +128,7 @@ def _score(kind: ObjectType, support: Support, top: Top) -> float:
 def _along(points: Array, theta: float) -> Array:
     """Return points, shape (n, 2), in axes turned by `theta`, of the same shape."""
     c, s = math.cos(theta), math.sin(theta)
-    return points @ np.array([[c, -s], [s, c]])
+    return np.asarray(points @ np.array([[c, -s], [s, c]]))
 
 
 def _heading(edge: Array) -> float | None:

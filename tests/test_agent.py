@@ -43,6 +43,7 @@ def test_the_candidates_are_examined_one_after_another_and_the_stack_is_popped_a
         "LookAt(sodaC)",
         "Pick(sodaC)",
         "Move(place(sodaC,table1,nothing))",
+        "LookAt(table1)",
         "Place(sodaC, table1)",
     ]
     end = play.turns[-1].end

@@ -12,6 +12,7 @@ CAN = ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.1), graspable=True)
 BOX = ObjectType(shape="box", size_m=(0.06, 0.09, 0.1), graspable=True)
 SQUARE = ObjectType(shape="box", size_m=(0.06, 0.06, 0.1), graspable=True)
 COVARIANCE = np.diag([1e-4, 4e-4, 9e-4])
+UNMATCHED = np.array([-3.0])
 
 
 def test_distance_of_a_detection_is_in_sds_of_belief_and_sensor_together() -> None:
@@ -45,21 +46,25 @@ def test_heading_is_read_as_the_nearest_that_looks_alike(kind: ObjectType, headi
 
 def test_assignment_maximises_the_whole_look_not_each_detection() -> None:
     scores = np.array([[5.0, 4.0], [4.9, -math.inf]])
-    assert assign(scores, unmatched=-3.0) == (1, 0)
+    assert assign(scores, unmatched=UNMATCHED) == (1, 0)
 
 
 def test_detection_outside_every_gate_is_new() -> None:
-    assert assign(np.array([[-math.inf, -math.inf], [3.0, 1.0]]), unmatched=-3.0) == (None, 0)
+    assert assign(np.array([[-math.inf, -math.inf], [3.0, 1.0]]), unmatched=UNMATCHED) == (None, 0)
 
 
 def test_two_detections_of_one_object_are_not_both_its_own() -> None:
-    assert assign(np.array([[5.0], [4.0]]), unmatched=-3.0) == (0, None)
+    assert assign(np.array([[5.0], [4.0]]), unmatched=UNMATCHED) == (0, None)
 
 
 def test_pair_less_likely_than_a_new_object_is_not_made() -> None:
-    assert assign(np.array([[-4.0]]), unmatched=-3.0) == (None,)
+    assert assign(np.array([[-4.0]]), unmatched=UNMATCHED) == (None,)
+
+
+def test_what_speaks_for_a_new_object_may_differ_between_detections() -> None:
+    assert assign(np.array([[-4.0, -math.inf], [-math.inf, -4.0]]), unmatched=np.array([-3.0, -5.0])) == (None, 1)
 
 
 @pytest.mark.parametrize("shape", [(0, 3), (0, 0), (2, 0)])
 def test_looks_without_detections_or_anchors_are_assigned(shape: tuple[int, int]) -> None:
-    assert assign(np.zeros(shape), unmatched=-3.0) == (None,) * shape[0]
+    assert assign(np.zeros(shape), unmatched=np.full(shape[0], -3.0)) == (None,) * shape[0]

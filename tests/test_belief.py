@@ -160,6 +160,16 @@ def detection(
     )
 
 
+def table_detection(base_T_table: Pose2, sds: tuple[float, float, float] = (0.005, 0.005, 0.01)) -> Detection:
+    return Detection(
+        base_T_object=(base_T_table[0], base_T_table[1], 0.01, base_T_table[2]),
+        covariance=upper(np.diag(np.square(sds)) + NOISE.extrinsics_sd_m**2 * np.eye(3)),
+        type_log_likelihood={"table": -0.1},
+        rgb=(0.5, 0.4, 0.3),
+        points=9000,
+    )
+
+
 class Robot:
     """Feeds a belief with actions and observations, counting steps."""
 
@@ -220,7 +230,8 @@ def test_prior_is_believed_as_told() -> None:
     assert belief.prob_property("can1", TypeIs(type="soda")) == pytest.approx(0.8)
     assert belief.graspable("can1")
     assert not belief.graspable("table1")
-    assert (belief.prob_detected("can1"), belief.prob_detected("table1")) == (0.9, 0.0)
+    assert (belief.prob_detected("can1"), belief.prob_detected("table1")) == (0.9, 0.9)
+    assert (belief.support("can1"), belief.support("table1")) == ("table1", None)
     assert belief.prob_type_right() == 0.95
     assert belief.held("right") is None
     told = belief.snapshot(0).objects["can3"]
@@ -247,6 +258,68 @@ def test_unknown_anchor_is_named_with_the_known_ones() -> None:
 
 
 # ---------------------------------------------------------------- looking
+
+
+def test_a_look_localises_a_table_whichever_way_round_it_is_seen() -> None:
+    for turn in (0.0, math.pi):
+        robot = Robot(prior())
+        robot.drive((0.3, 0.0, 0.0))
+        before = robot.belief.gaussian("pose", "table1")
+        robot.look([table_detection((0.69, 0.01, 0.01 + turn))])
+        after = robot.belief.gaussian("pose", "table1")
+        assert covariance_within(after.covariance, before.covariance)
+        assert np.sqrt(np.diag(after.covariance)).max() < 0.012
+        assert after.mean == pytest.approx((0.69, 0.01, 0.01), abs=0.01)
+        assert robot.belief.anchors() == ("table1", "can1", "can2", "can3")
+
+
+def test_edges_along_one_axis_leave_the_other_as_unknown_as_it_was() -> None:
+    robot = Robot(prior(base_sd=0.0))
+    robot.drive((0.3, 0.0, 0.0))
+    before = np.sqrt(np.diag(robot.belief.gaussian("pose", "table1").covariance))
+    robot.look([table_detection((0.7, 0.3, 0.0), (0.005, 0.5, 0.01))])
+    after = np.sqrt(np.diag(robot.belief.gaussian("pose", "table1").covariance))
+    assert after[0] < 0.7 * before[0]
+    assert after[1] == pytest.approx(before[1], rel=0.1)
+
+
+def test_a_table_that_is_not_reported_is_not_doubted() -> None:
+    robot = Robot(prior())
+    for _ in range(5):
+        sees_all(robot)
+    assert robot.belief.prob_exists("table1") == 0.99
+
+
+def test_a_table_is_never_taken_for_a_thing_nor_a_thing_for_a_table() -> None:
+    robot = Robot(prior({"can1": (1.0, 0.0, 0.0)}))
+    robot.look([table_detection((1.0, 0.0, 0.0)), detection((1.0, 0.0, 0.0), z=0.0)])
+    assert robot.belief.prob_property("can1", TypeIs(type="soda")) > 0.9
+    assert robot.belief.prob_property("table1", TypeIs(type="table")) == 1.0
+    assert robot.belief.anchors() == ("table1", "can1")
+
+
+def test_a_table_clearly_beside_the_known_ones_is_a_new_one() -> None:
+    robot = Robot(prior())
+    robot.look([table_detection((0.2, 1.6, 0.3)), table_detection((1.0, 0.0, 0.0))])
+    assert robot.belief.anchors() == ("table1", "can1", "can2", "can3", "_o1_")
+    assert not robot.belief.graspable("_o1_")
+    assert robot.belief.prob_property("_o1_", TypeIs(type="table")) == 1.0
+    assert robot.belief.snapshot(0).objects["_o1_"].world_T_object == pytest.approx((0.2, 1.6, 0.0, 0.3), abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "sds", [(0.005, 0.005, 0.01), (0.5, 0.005, 0.01)], ids=["overlapping", "perhaps_the_known_one"]
+)
+def test_a_table_where_no_other_can_stand_is_not_believed(sds: tuple[float, float, float]) -> None:
+    robot = Robot(prior())
+    robot.look([table_detection((0.8 if sds[0] < 0.1 else 1.0, 0.6, 0.8), sds)])
+    assert robot.belief.anchors() == ("table1", "can1", "can2", "can3")
+
+
+def test_one_look_is_expected_to_place_a_table_to_about_a_centimetre() -> None:
+    expected = np.sqrt(np.diag(Belief(prior()).observation_covariance("pose", "table1")))
+    assert (expected > 0.01).sum() == 3
+    assert (expected < 0.015).all()
 
 
 def test_look_sharpens_pose_type_and_colour() -> None:

@@ -13,12 +13,17 @@ LOOKS = 300
 
 @pytest.fixture(scope="module")
 def seen() -> Seen:
-    """Return what an exact look at two things shows."""
+    """Return what an exact look at two things on a table shows."""
     things = [TABLE, ("soda", (1.0, -0.2, TABLE_M, 0.0), RED), ("bottle", (1.1, 0.2, TABLE_M, 0.0), GREEN)]
     return detect(seen_cloud(things, EXACT), TYPES, EXACT)
 
 
 def looks(seen: Seen, **changes: float) -> list[tuple[Detection, ...]]:
+    """Return the reports of many looks, tables left out."""
+    return [tuple(d for d in look if type_of(d) != "table") for look in whole_looks(seen, **changes)]
+
+
+def whole_looks(seen: Seen, **changes: float) -> list[tuple[Detection, ...]]:
     noise: NoiseModel = EXACT.model_copy(update=changes)
     return [worsen(seen, TYPES, noise, 0, step) for step in range(LOOKS)]
 
@@ -32,7 +37,7 @@ def three_sd(probability: float, count: int) -> float:
 
 
 def test_a_perfect_detector_is_left_as_it_is(seen: Seen) -> None:
-    assert worsen(seen, TYPES, EXACT, 0, 0) == seen.detections
+    assert worsen(seen, TYPES, EXACT, 0, 0) == canonical_order([*seen.detections, *seen.tables])
 
 
 def test_things_are_missed_at_the_given_rate(seen: Seen) -> None:
@@ -63,13 +68,23 @@ def test_false_alarms_come_at_the_given_rate_and_lie_on_supports(seen: Seen) -> 
     assert {type_of(detection) for detection in false} == {"bottle", "carton", "soda"}
 
 
+def test_tables_are_missed_at_the_given_rate_and_never_taken_for_something_else(seen: Seen) -> None:
+    (table,) = seen.tables
+    reported = [
+        [d for d in look if type_of(d) == "table"]
+        for look in whole_looks(seen, found=0.8, type_right=0.1, false_per_look=2.0)
+    ]
+    assert sum(map(len, reported)) / LOOKS == pytest.approx(0.8, abs=three_sd(0.8, LOOKS))
+    assert all(d == table for look in reported for d in look)
+
+
 def test_no_support_in_view_no_false_alarm() -> None:
     noise = EXACT.model_copy(update={"false_per_look": 5.0})
     assert worsen(Seen((), (), HEAD.origin), TYPES, noise, 0, 0) == ()
 
 
 def test_what_is_reported_is_in_canonical_order(seen: Seen) -> None:
-    for look in looks(seen, false_per_look=3.0, type_right=0.5)[:20]:
+    for look in whole_looks(seen, false_per_look=3.0, type_right=0.5)[:20]:
         assert look == canonical_order(list(look))
 
 

@@ -40,6 +40,7 @@ def test_purposes_keep_their_numbers() -> None:
         ("ODOMETRY", 7),
         ("WRIST", 8),
         ("WRIST_BIAS", 9),
+        ("TABLES", 10),
     ]
 
 

@@ -321,19 +321,20 @@ def test_a_drive_along_no_waypoint_goes_nowhere(make: Make) -> None:
 def test_a_look_reports_what_stands_there(make: Make) -> None:
     session = make(near_table(can(0.8, -0.2), TrueBody("box1", "carton", (0.8, 0.1, TABLE_M, 0.5), BLUE, 0.4)))
     result, observation = session.do(LookAt(pan=0.0, tilt=0.8))
-    box, soda = observation.detections  # in the order of their types
+    box, soda, table = observation.detections  # in the order of their types
     assert (result.status, observation.kind) == ("done", "look")
     assert soda.base_T_object == pytest.approx((0.8, -0.2, TABLE_M, 0.0), abs=0.005)
     assert box.base_T_object == pytest.approx((0.8, 0.1, TABLE_M, 0.5), abs=0.03)
+    assert table.base_T_object == pytest.approx((0.85, 0.0, 0.0, 0.0), abs=0.01)
     assert soda.rgb[1] > 3.0 * soda.rgb[0]
 
 
 def test_detections_are_seen_from_the_base_wherever_it_stands(make: Make) -> None:
     base: Pose2 = (-0.2, 0.1, -0.2)
     session = make(near_table(can(0.8, -0.2)), world_T_base=base)
-    (detection,) = session.do(LookAt(pan=0.0, tilt=0.8))[1].detections
-    seen = compose4(raised(base), detection.base_T_object)
-    assert seen[:3] == pytest.approx((0.8, -0.2, TABLE_M), abs=0.005)
+    soda, table = (compose4(raised(base), d.base_T_object) for d in session.do(LookAt(pan=0.0, tilt=0.8))[1].detections)
+    assert soda[:3] == pytest.approx((0.8, -0.2, TABLE_M), abs=0.005)
+    assert table == pytest.approx((0.85, 0.0, 0.0, 0.0), abs=0.01)
 
 
 def test_the_view_puts_its_readings_on_table_and_floor(make: Make) -> None:
@@ -347,12 +348,13 @@ def test_the_view_puts_its_readings_on_table_and_floor(make: Make) -> None:
     assert level.mean() > 0.85  # the rest: the table's edge and legs, and what is far away
 
 
-def test_neither_the_arm_nor_what_it_holds_is_reported(make: Make) -> None:
+def test_neither_the_arm_nor_what_it_holds_is_reported_and_they_are_no_edges_of_the_table(make: Make) -> None:
     session = make()
     session.do(session.pick())
     _, observation = session.do(DOWN)
     assert observation.view is not None
-    assert observation.detections == ()
+    (table,) = observation.detections
+    assert table.base_T_object == pytest.approx((0.85, 0.0, 0.0, 0.0), abs=0.01)
 
 
 def test_equal_steps_see_equally_and_other_steps_do_not(make: Make) -> None:

@@ -8,6 +8,7 @@ import pytest
 from minds import TableBelief, TableGeometry, Thing
 
 from skolem.reasoner.denotation import Denotations
+from skolem.reasoner.goals import read_mutexes
 from skolem.reasoner.instances import Instance
 from skolem.reasoner.offers import RuleOffers
 from skolem.reasoner.parser import parse_goal
@@ -131,9 +132,41 @@ def test_pick_needs_a_coarse_pose_first_and_a_tight_one_where_it_is_grasped(rule
         ("bn(pose(o2),any,sd(50,50,any),any,223144)", 1),
         ("clear(pick(right,o2))", 2),
         ("bn(pose(o2),any,sd(8,8,any),any,223144)", 3),
+        ("bn(pose(table1),any,sd(20,20,40),any,223144)", 3),
         ("at(pick(right,o2))", 3),
     }
     assert {str(d) for d in right.destroys} == {"empty(right)", "loose(o2)", "b(on(o2,any),any)"}
+
+
+def test_what_stands_on_the_floor_is_picked_without_a_support(rulebook: Rulebook) -> None:
+    believed = things()
+    believed["o2"].on = None
+    for instance in offers(rulebook, believed).offers(parse_term("holding(o2)")):
+        assert not [f for f, _ in texts(instance)[1] if "table1" in f]
+
+
+def test_the_arm_goes_over_a_support_only_when_it_is_localised(rulebook: Rulebook) -> None:
+    _, preconditions = texts(only(rulebook, "b(on(o2,table1),105361)"))
+    assert {("bn(pose(table1),any,sd(20,20,40),any,223144)", 2), ("at(place(o2,table1,nothing))", 2)} <= preconditions
+
+
+def test_a_look_at_a_thing_shows_its_support_too_and_both_must_be_detected(rulebook: Rulebook) -> None:
+    table = "bn(pose(table1),any,sd(20,20,40),any,223144)"
+    by_step = {str(i.step): i for i in offers(rulebook, things()).offers(parse_term(table))}
+    assert sorted(by_step) == ["look(o2)", "look(o3)", "look(table1)"]
+    assert all(texts(instance)[0] == {table} for instance in by_step.values())
+    both = by_step["look(o2)"].merged(only(rulebook, "bn(pose(o2),any,sd(8,8,any),any,1)"))
+    assert both.price == 2 * nll(0.95)
+    assert both.concrete == 1
+
+
+def test_a_support_can_be_looked_at_from_where_things_are_placed_on_it_and_no_other_one(rulebook: Rulebook) -> None:
+    mutexes, placing = read_mutexes(rulebook), parse_term("at(place(o2,table1,nothing))")
+    assert not mutexes.exclude(parse_term("at(look(table1))"), placing)
+    assert mutexes.exclude(parse_term("at(look(table2))"), placing)
+    assert mutexes.exclude(placing, parse_term("at(look(o2))"))
+    arriving = only(rulebook, "at(place(o2,table1,nothing))")
+    assert texts(arriving)[0] == {"at(place(o2,table1,nothing))", "at(look(table1))"}
 
 
 def test_weighing_is_for_the_right_hand_alone(rulebook: Rulebook) -> None:

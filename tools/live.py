@@ -34,7 +34,7 @@ from skolem.traces.messages import (
     Plan,
 )
 
-COLUMNS = ("id", "type d", "pose d", "color d", "weight d")
+COLUMNS = ("anchor", "type d", "pose d", "color d", "weight d")
 POSE_SD_M = (0.01, 0.05)  # below the first a variance is low, above the second high
 COLOUR_SD = (0.05, 0.15)  # of the hue
 WEIGHT_SD = (0.12, 0.40)  # of ln(kg): about that share of the weight

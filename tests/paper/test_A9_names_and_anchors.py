@@ -37,7 +37,7 @@ def test_an_index_is_never_used_again_even_after_its_object_was_dropped() -> Non
     robot.look(FRONT)
     assert robot.belief.anchors() == ("table1", "_o1_")
     robot.solids.pop()
-    for _ in range(4):
+    for _ in range(8):
         robot.look(FRONT)
     assert robot.belief.anchors() == ("table1",)
     assert robot.belief.prob_exists("_o1_") < 1e-3
