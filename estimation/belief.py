@@ -13,7 +13,7 @@ from skolem.estimation.checks import check_prior
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Began, Event, Weighed
 from skolem.estimation.extrinsics import expected_look
-from skolem.estimation.fluents import prob_in_polygon, rectangle
+from skolem.estimation.fluents import disc, prob_in_polygon, rectangle
 from skolem.estimation.looking import Look
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
 from skolem.estimation.regions import Regions
@@ -134,6 +134,17 @@ class Belief:
         inside = turned(covariance, support_T_object[2])[:2, :2]
         free = rectangle((size[0] - margin, size[1] - margin))
         return track.exists * prob_in_polygon(np.array(support_T_object[:2]), inside, free)
+
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """P(the middles of two objects are at most so far apart, in the plane), given that both exist; 0 while held."""
+        if anchor == other:
+            return 1.0
+        pair = (self._tracks.get(anchor), self._tracks.get(other))
+        if any(track is None or track.hand for track in pair):
+            return 0.0
+        other_T_anchor, covariance = self._relation(other, anchor)
+        spread = turned(covariance, other_T_anchor[2])[:2, :2]
+        return prob_in_polygon(np.array(other_T_anchor[:2]), spread, disc(distance_m))
 
     def regions(self) -> tuple[str, ...]:
         """Every region of space that can be searched, in order of introduction."""

@@ -47,6 +47,13 @@ def rectangle(size: tuple[float, float]) -> Array:
     return np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * size
 
 
+def disc(radius: float, corners: int = 32) -> Array:
+    """Return a regular polygon with the area of a disc around the origin, counter-clockwise, shape (corners, 2)."""
+    angles = 2.0 * np.pi * np.arange(corners) / corners
+    reach = radius * math.sqrt(2.0 * math.pi / (corners * math.sin(2.0 * math.pi / corners)))
+    return reach * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
 def covariance_within(covariance: Array, bound: Array) -> bool:
     """Return whether covariance <= bound in the Loewner order: its ellipsoid lies in the bound's; up to rounding.
 

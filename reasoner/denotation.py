@@ -21,9 +21,10 @@ from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import Compound, Term, compound
 from skolem.reasoner.vocabulary import Vocabulary
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import Meaning
+from skolem.traces.messages import Meaning, WeightInterval
 
 MOST_ALTERNATIVES: Final = 32  # sets of properties kept per description, smallest first
+GRAMS_PER_KG: Final = 1000
 STRANGER: Final = "_new_"  # an object that nobody has met yet
 _NOTHING: Final = Compound("", ())
 
@@ -50,6 +51,10 @@ class GroundBeliefs(Protocol):
 
     def prob_on(self, anchor: str, support: str) -> float:
         """P(the object rests on the top of `support`)."""
+        ...
+
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """P(the objects are at most so far apart)."""
         ...
 
 
@@ -183,7 +188,7 @@ class _Beliefs:
     """Beliefs in ground relations over the anchors, each asked for once."""
 
     def __init__(self, belief: GroundBeliefs, vocabulary: Vocabulary) -> None:
-        self._belief, self._meanings = belief, vocabulary.meanings
+        self._belief, self._vocabulary = belief, vocabulary
         self._memo: dict[tuple[str, tuple[Term, ...]], float] = {}
         self.anchors = belief.anchors()
         self._known = frozenset(self.anchors)
@@ -201,14 +206,19 @@ class _Beliefs:
         return self._memo[key]
 
     def _ask(self, relation: str, args: tuple[Term, ...]) -> float:
-        known = self._known.issuperset(args)
+        words = self._vocabulary
+        known = self._known.issuperset(a for a in args if isinstance(a, str))
         match args:
-            case (str(anchor),) if relation in self._meanings:
-                return self._belief.prob_property(anchor, self._meanings[relation]) if known else 0.0
+            case (str(anchor),) if relation in words.meanings:
+                return self._belief.prob_property(anchor, words.meanings[relation]) if known else 0.0
             case (str(anchor), str(support)) if relation == "on":
                 return self._belief.prob_on(anchor, support) if known else 0.0
-        text = Compound(relation, args)
-        raise InternalError(f"no relation {text}; there are on/2 and the properties {', '.join(self._meanings)}")
+            case (str(anchor), str(other)) if relation in words.near_m:
+                return self._belief.prob_near(anchor, other, words.near_m[relation]) if known else 0.0
+            case (str(anchor), Compound("number", (int(thousandths),))) if relation in words.exceeds:
+                above = WeightInterval(at_least_kg=max(0.0, thousandths / GRAMS_PER_KG / 1000))
+                return self._belief.prob_property(anchor, above) if known else 0.0
+        raise InternalError(f"{Compound(relation, args)} cannot be evaluated: no such relation of such arguments")
 
 
 def _value(node: Node, axes: tuple[Term, ...], beliefs: _Beliefs) -> NDArray[np.float64]:
@@ -272,6 +282,14 @@ class WithStranger:
         if anchor == STRANGER:
             return float(support == self._belief.region_support(self._region))
         return 0.0 if support == STRANGER else self._belief.prob_on(anchor, support)
+
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """Of the stranger: that the other is in the same region, where it may turn out to be near."""
+        if STRANGER not in (anchor, other):
+            return self._belief.prob_near(anchor, other, distance_m)
+        if anchor == other:
+            return 1.0
+        return self._belief.prob_on(other if anchor == STRANGER else anchor, self._belief.region_support(self._region))
 
 
 # ---------------------------------------------------------------- which properties make it true

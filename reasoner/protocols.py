@@ -60,6 +60,10 @@ class BeliefQueries(Protocol):
         """What the object most likely rests on; None: the floor, nothing known, or a hand."""
         ...
 
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """P(the middles of two objects are at most so far apart, in the plane)."""
+        ...
+
     def prob_property_of_new(self, meaning: Meaning) -> float:
         """P(an arbitrary object that nobody has met yet has the property)."""
         ...

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Final
 
@@ -10,10 +10,20 @@ from skolem.reasoner.cursor import REFUSED
 from skolem.reasoner.expressions import RESERVED_WORDS, SPATIAL, word_of
 from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.traces.errors import Fault
-from skolem.traces.messages import HsvVolume, Meaning, ObjectType, TypeIs, WeightInterval
+from skolem.traces.messages import HsvVolume, Meaning, ObjectType, Quantity, TypeIs, WeightInterval
 
 # Every predicate that gives a word, with its number of arguments; the word is the first.
-WORD_FACTS: Final = {"type": 1, "graspable": 1, "box": 4, "cylinder": 4, "table": 4, "colour": 7, "weight": 3}
+WORD_FACTS: Final = {
+    "type": 1,
+    "graspable": 1,
+    "box": 4,
+    "cylinder": 4,
+    "table": 4,
+    "colour": 7,
+    "weight": 3,
+    "near": 2,
+    "exceeds": 2,
+}
 SHAPES: Final = ("box", "cylinder", "table")
 _WORD: Final = re.compile(r"[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*")
 
@@ -46,14 +56,19 @@ class Vocabulary:
     Attributes:
         types: Every object type by its word, sorted.
         meanings: Every property by its word, sorted; types are properties too.
+        near_m: Every relation of two objects that are close, with the greatest distance, sorted.
+        exceeds: Every relation of an object and a number that its quantity exceeds, with that quantity, sorted.
     """
 
     types: Mapping[str, ObjectType]
     meanings: Mapping[str, Meaning]
+    near_m: Mapping[str, float] = field(default_factory=dict)
+    exceeds: Mapping[str, Quantity] = field(default_factory=dict)
 
     def words(self) -> dict[str, int]:
         """Return every relation word of the goal language with its number of arguments."""
-        return {word_of(word): 1 for word in self.meanings} | dict.fromkeys(SPATIAL, 2)
+        pairs = [word_of(word) for word in (*self.near_m, *self.exceeds)]
+        return {word_of(word): 1 for word in self.meanings} | dict.fromkeys([*SPATIAL, *pairs], 2)
 
 
 def read_vocabulary(facts: Iterable[tuple[Compound, Place]]) -> tuple[Vocabulary, list[Fault], list[Fault]]:
@@ -74,7 +89,11 @@ def read_vocabulary(facts: Iterable[tuple[Compound, Place]]) -> tuple[Vocabulary
             if meaning is not None:
                 meanings[word] = meaning
     warnings = _overlaps(chosen["colour"], meanings) + _gaps(chosen["colour"], meanings)
-    return Vocabulary(dict(sorted(types.items())), dict(sorted(meanings.items()))), faults, warnings
+    near_m, exceeds = _distances(chosen["near"], faults), _comparisons(chosen["exceeds"], faults)
+    for word, (_, place) in sorted((chosen["near"] | chosen["exceeds"]).items()):
+        if word in meanings or (word in near_m and word in exceeds):
+            faults.append(place.fault(f"{word!r} already has another meaning"))
+    return Vocabulary(dict(sorted(types.items())), dict(sorted(meanings.items())), near_m, exceeds), faults, warnings
 
 
 _Chosen = dict[str, dict[str, tuple[Compound, Place]]]
@@ -159,6 +178,26 @@ def _weight(fact: Compound, place: Place, faults: list[Fault]) -> WeightInterval
     return WeightInterval(at_least_kg=grams[0] / 1000, below_kg=None if open_ended else grams[1] / 1000)
 
 
+def _distances(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault]) -> dict[str, float]:
+    """Return the greatest distance in metres by relation."""
+    found = {
+        word: _integers(fact, place, faults, lambda v: 1 <= v <= 100_000, "a distance from 1 to 100000 mm")
+        for word, (fact, place) in sorted(facts.items())
+    }
+    return {word: values[0] / 1000 for word, values in found.items() if values}
+
+
+def _comparisons(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault]) -> dict[str, Quantity]:
+    """Return the quantity compared by relation."""
+    found: dict[str, Quantity] = {}
+    for word, (fact, place) in sorted(facts.items()):
+        if fact.args[1] == "weight":
+            found[word] = "weight"
+        else:
+            faults.append(place.fault(f"exceeds {word}: expected weight, found {fact.args[1]}"))
+    return found
+
+
 def _integers(
     fact: Compound, place: Place, faults: list[Fault], allowed: Callable[[int], bool], expected: str
 ) -> list[int] | None:
@@ -171,10 +210,12 @@ def _integers(
 
 
 def _overlaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, Meaning]) -> list[Fault]:
-    """Return a warning for every two colours that share a part of the colour space."""
+    """Return a warning for every two colours that share a part of the colour space, at the user's fact if one is."""
     volumes = {word: meaning for word, meaning in meanings.items() if isinstance(meaning, HsvVolume)}
     return [
-        colours[second][1].fault(f"warning: the colours {first} and {second} overlap")
+        (colours[first][1] if colours[first][1].own else colours[second][1]).fault(
+            f"warning: the colours {first} and {second} overlap"
+        )
         for first, second in combinations(sorted(volumes), 2)
         if _share(volumes[first], volumes[second])
     ]

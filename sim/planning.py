@@ -187,6 +187,8 @@ class PlanningWorld:
     def _cleared(self, activity: Activity) -> Way | None:
         """Return the way with the fewest blockers, without which the activity can be done."""
         self._world.reset()
+        if self._task(activity, None) is None:
+            return None
         with self._world.narrowed() if activity.kind in NARROWED else contextlib.nullcontext():
             for way in self._clearing.ways(activity, self._believed)[:WAYS_TRIED]:
                 with self._world.removed(way.blockers):

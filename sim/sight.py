@@ -15,7 +15,7 @@ from skolem.traces.messages import ObjectType, Pose4
 Floats = NDArray[np.float64]
 
 NEAREST_M, FARTHEST_M = 0.5, 2.0  # from the camera: nearer the depth is blind, farther its noise is too great
-THING_SHARE, TABLE_SHARE = 0.7, 0.5  # of the sampled points; what stands on a table hides some of it
+THING_SHARE, TABLE_SHARE = 0.6, 0.5  # of the sampled points; what stands on a table hides some of it
 _ACROSS, _UP = (-0.8, 0.0, 0.8), (0.2, 0.5, 0.85)  # where on the near side, in half widths and in heights
 _OVER = (-0.35, 0.0, 0.35)  # where on a table, in widths
 _PATCH_M = 0.05  # half the width of the piece of a table that is to be seen before something is put there

@@ -20,7 +20,7 @@ WITHIN = 0.92  # of the image: the base and the head err a little
 ENOUGH_SHARE = 0.3  # of what is unseen: a look that shows so much is worth taking wherever one stands
 ALMOST_BEST = 0.7  # ... as is one that shows so much of what the best stance shows
 LEAST_SHARE = 0.04  # a look that shows less is none
-SAME_HEAD_RAD = 0.01  # a look that would not turn the head by more was just taken: it shows nothing new
+SAME_HEAD_RAD = 0.04  # a look that would not turn the head by more was just taken: it shows nothing new
 
 
 class Camera(Protocol):

@@ -84,6 +84,10 @@ class TableBelief:
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
         return self._prob(self.things[anchor], meaning)
 
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        del distance_m
+        return float(self.things[anchor].on is not None and self.things[anchor].on == self.things[other].on)
+
     def prob_property_of_new(self, meaning: Meaning) -> float:
         return self._prob(self.new, meaning)
 

@@ -54,6 +54,10 @@ class Table:
         self.asked += 1
         return self._relations.get(("on", anchor, support), 0.0)
 
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        self.asked += 1
+        return self._relations.get(("near", anchor, other), 0.0) if distance_m > 0 else 0.0
+
 
 def described(text: str) -> Lambda:
     return parse_lambda(text, WORDS)

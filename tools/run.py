@@ -1,6 +1,7 @@
 """The verb `run`."""
 
 import json as json_format
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -62,6 +63,8 @@ def run(
             raise InputError([Fault("--images", 0, 0, "the symbolic world has no camera; leave out one of the two")])
         with watch.part(session.LOADING):
             setup = session.prepare(scenario, overrides, seed, world.value, images, profile)
+        for warning in setup.rulebook.warnings:
+            print(warning, file=sys.stderr)
         trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")
         raise typer.Exit(running.execute(setup, trace, watch, json, quiet))
     except InputError as error:

@@ -70,6 +70,11 @@ class Truth:
         """What the object rests on."""
         return self._objects[anchor].on
 
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """1 if the middles of two objects are at most so far apart."""
+        (x, y, *_), (u, v, *_) = self._objects[anchor].world_T_object, self._objects[other].world_T_object
+        return float(math.hypot(x - u, y - v) <= distance_m)
+
     def prob_property_of_new(self, meaning: Meaning) -> float:
         """0: the truth knows every object."""
         return 0.0

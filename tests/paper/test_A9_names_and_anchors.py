@@ -21,7 +21,9 @@ def test_given_names_and_found_anchors_both_stand_in_goals() -> None:
     assert posed(goal("_o33_"), robot.belief).achieved() is not None
     assert posed(goal("_o34_"), robot.belief).achieved() is not None
     root = posed("exists o. B(Den(lambda x. Soda(x), o), 0.9) & B(On(o, table1), 0.9)", robot.belief)
-    assert {"_o33_", "_o34_"} <= {str(f).split(",")[1].rstrip(")") for r in root.instantiations for f in r if "den" in str(f)}
+    assert {"_o33_", "_o34_"} <= {
+        str(f).split(",")[1].rstrip(")") for r in root.instantiations for f in r if "den" in str(f)
+    }
 
 
 def test_a_name_that_nobody_gave_is_refused() -> None:
