@@ -25,7 +25,8 @@ from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
 
 BASE = "base"
 EPOCHS = 1 << 20  # epochs of one anchor
-RELINEARIZE_FROM = 0.01  # change of a variable, metres or radians, from which its factors are linearised anew
+RELINEARIZE_FROM = 0.001  # change of a variable, metres or radians, from which its factors are linearised anew
+SETTLING_UPDATES = 2  # after each event: a sighting far from the mean moves it, and its covariance follows the mean
 
 
 @dataclass(frozen=True, slots=True)
@@ -324,3 +325,5 @@ class PoseGraph:
         for key, pose in values.items():
             start.insert(key, gtsam.Pose2(*pose))
         self._isam.update(graph, start)
+        for _ in range(SETTLING_UPDATES):
+            self._isam.update()

@@ -12,7 +12,8 @@ from skolem.traces.messages import WeightInterval
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81
-WEIGHT_NODES, KG_NODES = 401, 64  # of the grid over ln(kg) and of the quadrature over readings
+WEIGHT_NODES = 401  # of the grid over ln(kg)
+QUANTILES, NOISE_NODES = 64, 9  # weights at which readings are tried, and readings at each
 LEAST_VARIANCE = 1e-12  # of a belief that is as good as certain
 
 
@@ -74,20 +75,25 @@ class WeightBelief:
         return min(1.0, max(0.0, float(mass[1] - mass[0])))
 
     def prob_favourable(self, interval: WeightInterval, p: float) -> float:
-        """Return P(one reading lifts the belief in the interval to at least `p` | the weight lies in it)."""
+        """Return P(one reading lifts the belief in the interval to at least `p` | the weight lies in it).
+
+        Readings are taken at quantiles of the weights inside, Gauss-Hermite nodes of the noise around each: a grid over
+        all readings would be far coarser than the noise where the prior reaches to heavy things.
+        """
         u, mass = self._grid()
         low, high = _log_span(interval)
         inside = (u >= low) & (u < high)
         if not inside.any():
             return 0.0
         expected, variance = self._next_reading(np.exp(u))
-        reach = 5.0 * math.sqrt(variance)
-        z = np.linspace(expected[inside].min() - reach, expected[inside].max() + reach, KG_NODES)
-        likelihood = np.exp(-0.5 * (z[:, None] - expected[None, :]) ** 2 / variance) * mass
-        within = likelihood[:, inside].sum(axis=1)
-        reached = within >= (p - ROUNDING) * likelihood.sum(axis=1)
-        total = within.sum()
-        return min(1.0, float(within[reached].sum() / total)) if total > 0.0 else 0.0
+        share = np.cumsum(mass[inside]) - 0.5 * mass[inside]
+        middles = np.interp((np.arange(QUANTILES) + 0.5) / QUANTILES * mass[inside].sum(), share, expected[inside])
+        offsets, weights = np.polynomial.hermite_e.hermegauss(NOISE_NODES)
+        z = (middles[:, None] + math.sqrt(variance) * offsets).ravel()
+        distance = (z[:, None] - expected[None, :]) ** 2
+        likelihood = np.exp(-0.5 * (distance - distance.min(axis=1, keepdims=True)) / variance) * mass
+        reached = likelihood[:, inside].sum(axis=1) >= (p - ROUNDING) * likelihood.sum(axis=1)
+        return float(reached.reshape(QUANTILES, NOISE_NODES) @ weights @ np.ones(QUANTILES) / (QUANTILES * weights.sum()))
 
     def _next_reading(self, kg: Array) -> tuple[Array, float]:
         """Return mean and variance of the next reading for each true weight: past ones have shown part of the bias."""

@@ -159,6 +159,7 @@ def _plan_step(step: Step) -> PlanStep:
         op=title(step.instance.called),
         level=step.level,
         concrete=step.instance.concrete,
+        primitive=step.instance.executes is not None,
         cost=min(step.instance.price, 50_000_000),
         subgoal=tuple(sorted(map(str, step.subgoal))),
         preimage=tuple(sorted(map(str, step.preimage))),

@@ -118,12 +118,19 @@ class BelievedWorld:
 
     @contextlib.contextmanager
     def wary(self, hand: Hand, target: str | None = None) -> Iterator[None]:
-        """Have all but the target wider by its doubt and a margin meanwhile, for that arm and what it carries."""
+        """Have things wider by their doubt and a margin meanwhile, for that arm and what it carries.
+
+        Not so the target, nor what the arm would be in already.
+        """
         if self._is_narrowed:
             yield
             return
         plain = self.standing
-        self.standing = {a: item if a == target else self._widened(item, hand) for a, item in plain.items()}
+        wide = {a: item if a == target else self._widened(item, hand) for a, item in plain.items()}
+        self.standing = wide
+        met = self.touched()
+        self.standing = {a: plain[a] if a in met else item for a, item in wide.items()}
+        self._swap(wide, self.standing)
         try:
             yield
         finally:
@@ -359,7 +366,7 @@ class BelievedWorld:
 
     def unhidden(self, points_world: Floats) -> NDArray[np.bool_]:
         """Return which points, shape (n, 3), the camera would see if it looked there: nothing is before them."""
-        return np.array(self.hits(points_world), dtype=np.int64) == -1
+        return np.asarray(np.array(self.hits(points_world), dtype=np.int64) == -1)
 
     def hits(self, points_world: Floats) -> list[int]:
         """Return the first body between the camera and each of points, shape (n, 3); -1 where there is none."""

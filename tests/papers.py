@@ -1,4 +1,4 @@
-"""What the tests of the paper's items share: the rules, a goal posed of a belief, a handling robot, the paper's example.
+"""What the tests of the paper's items share: rules, a goal posed of a belief, a handling robot, the paper's example.
 
 The example is that of section "Illustrative example"; `rehearsed` keeps the finished plays, as several items read them.
 """
@@ -195,9 +195,7 @@ def at_five_percent(
     return before.model_copy(update={"noise": before.noise.model_copy(update={"type_right": 0.95} | noise)})
 
 
-def can(
-    anchor: str = "can1", soda: float = 0.8, world_T_object: Pose4 = STANDS, sd_m: float = 0.02
-) -> PriorObject:
+def can(anchor: str = "can1", soda: float = 0.8, world_T_object: Pose4 = STANDS, sd_m: float = 0.02) -> PriorObject:
     """Return an object on the table that is a soda with probability `soda`, else a bottle."""
     return PriorObject(
         anchor=anchor,
@@ -226,10 +224,9 @@ HUES = {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN}
 def searching() -> Play:
     """Return the paper's third simulation: tables known, no object; the green soda is on the second table."""
     things = {name: thing for name, thing in three_sodas().items() if name.startswith("table")}
-    known = {"hsv_sd": 0.01}
     found = {
-        "_reg1_": {"_o1_": Thing({"soda": 0.9, "bottle": 0.1}, on="table1", hsv=(RED, 0.9, 0.8), **known)},
-        "_reg2_": {"_o2_": Thing({"soda": 0.9, "bottle": 0.1}, on="table2", hsv=(GREEN, 0.9, 0.8), **known)},
+        "_reg1_": {"_o1_": Thing({"soda": 0.9, "bottle": 0.1}, on="table1", hsv=(RED, 0.9, 0.8), hsv_sd=0.01)},
+        "_reg2_": {"_o2_": Thing({"soda": 0.9, "bottle": 0.1}, on="table2", hsv=(GREEN, 0.9, 0.8), hsv_sd=0.01)},
     }
     regions = {f"_reg{k}_": Region(f"table{k}", objects=1.0) for k in (1, 2, 3)}
     return Play(shipped(), GREEN_TO_TABLE1, things, regions=regions, found=found)
@@ -299,5 +296,3 @@ def plans(play: Play, *causes: str) -> list[Plan]:
 def first_decision(play: Play) -> tuple[str, ...]:
     """Return the operators of the first plan of a play that has not begun."""
     return play.agent.decide(0).decisions[0].plan
-
-

@@ -83,10 +83,10 @@ class Run:
         """Return the number of the first action whose row begins so."""
         return next(i for i, row in enumerate(self.operators) if row.startswith(operator))
 
-    def top_plans(self) -> list[tuple[int, tuple[str, ...]]]:
-        """Return the plans for the goal itself: the number of the action that was to be next, and the operators."""
-        goal = self.decisions[0].subgoal
-        return [(made.step, made.plan) for made in self.decisions if made.subgoal == goal and made.plan]
+    def top_plans(self) -> dict[int, tuple[str, ...]]:
+        """Return the plans made for the goal itself, by the number of the action that was to be next."""
+        started = [plan for plan in self.plans if plan.cause == "start"]
+        return {plan.step: tuple(step.op for step in plan.layers[0]) for plan in started}
 
     def given_up(self) -> list[Plan]:
         """Return every time the stack was popped to the top because no pre-image held."""
@@ -126,8 +126,8 @@ def over(name: str, seeds: Iterable[int]) -> list[Run]:
 
 
 def with_physics(name: str) -> Run:
-    """Return the one run of a scenario with the physics engine."""
-    return ran(name, 0, "pybullet")
+    """Return the one run of a scenario with the physics engine; other seeds are run by `skolem sweep`."""
+    return ran(name, 1, "pybullet")
 
 
 def distinct_successes(runs: Iterable[Run]) -> set[tuple[str, ...]]:

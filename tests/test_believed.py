@@ -7,7 +7,8 @@ import pytest
 
 from skolem.sim import bodies
 from skolem.sim.believed import BelievedWorld
-from skolem.sim.doubt import relative_covariance
+from skolem.sim.bullet import p
+from skolem.sim.doubt import own_spread, relative_covariance, spread
 from skolem.sim.poses import compose2, inverse2, raised
 from skolem.traces.messages import Belief, Pose2
 
@@ -144,3 +145,53 @@ def test_the_belief_decides_and_not_what_was_asked_before(world: BelievedWorld) 
 def test_without_a_row_in_the_joint_covariance_the_marginal_counts() -> None:
     belief = scenes.belief(scenes.sodas(sd_m=0.02))
     assert relative_covariance(belief, "soda1")[:2, :2] == pytest.approx(np.eye(2) * 0.0004)
+
+
+def test_before_a_moving_arm_all_but_the_target_is_wider(world: BelievedWorld) -> None:
+    objects = scenes.sodas() | {"table1": scenes.believed("table", scenes.TABLES["table1"], 0.01)}
+    world.update(scenes.belief(objects, (0.5, 0.0, 0.0)))
+    plain = dict(world.standing)
+    with world.wary("right", "soda1"):
+        assert [a for a, item in plain.items() if world.standing[a].body == item.body] == ["soda1"]
+        low, high = (corner[0] for corner in p.getAABB(world.standing["table1"].body, physicsClientId=world.client))
+        assert (low, high) == pytest.approx((0.9 - 0.03, 1.7 + 0.03), abs=2e-3)
+        assert world.free()
+    assert world.standing == plain
+    with world.narrowed(), world.wary("right"):
+        assert all(item.spread_m == 0.0 for item in world.standing.values())
+
+
+def test_what_an_arm_or_the_base_is_near_already_does_not_stop_the_arm(world: BelievedWorld) -> None:
+    objects = scenes.sodas() | {"table1": scenes.believed("table", scenes.TABLES["table1"], 0.01)}
+    for x in (0.54, 0.56):
+        world.update(scenes.belief(objects, (x, 0.0, 0.0)))
+        with world.wary("right"):
+            assert world.free()
+
+
+def test_doubt_that_things_share_does_not_count_among_them() -> None:
+    """Two objects seen in one picture, far in doubt relative to the base, are known relative to each other."""
+    first, second = scenes.believed("soda", (1.0, 0.0, 0.68, 0.0)), scenes.believed("soda", (1.2, 0.1, 0.68, 0.0))
+    shared = np.diag([0.05, 0.05, 0.0]) ** 2
+    own = np.eye(3) * 1e-6
+    zero = np.zeros((3, 3))
+    joint = np.block([[zero, zero, zero], [zero, shared + own, shared], [zero, shared, shared + own]])
+    belief = scenes.belief({"a": first, "b": second}).model_copy(
+        update={"keys": ("base", "a", "b"), "joint_covariance": tuple(joint[np.triu_indices(9)].tolist())}
+    )
+    assert spread(belief, "a", 0.05) == pytest.approx(0.05)
+    assert own_spread(belief, "a", 0.05) == pytest.approx(0.005)
+
+
+def test_what_is_removed_or_in_an_emptied_hand_is_nowhere_meanwhile(world: BelievedWorld) -> None:
+    objects = scenes.sodas()
+    objects["soda2"] = scenes.in_hand(objects["soda2"])
+    world.update(scenes.belief(objects))
+    before = list(world.standing)
+    held = world.carried["right"]
+    with world.removed(("soda1",)), world.emptied("right"):
+        assert "soda1" not in world.standing
+        assert world.carried == {}
+        assert bodies.full_pose(world.client, held.body)[0][2] < -10.0
+    assert list(world.standing) == before
+    assert world.carried["right"] is held

@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -33,6 +34,8 @@ JSON_FIELDS = [
     "anchor",
     "witness",
     "goal_probability",
+    "conjuncts",
+    "regions",
     "actions",
     "replans",
     "clingo_calls",
@@ -100,7 +103,7 @@ def test_version_is_that_of_the_package(monkeypatch: pytest.MonkeyPatch, capsys:
     ("args", "said"),
     [
         (["rum"], "no verb 'rum'; did you mean 'run'?"),
-        (["zzz"], "no verb 'zzz'; there are: run, scenario, sweep"),
+        (["zzz"], "no verb 'zzz'; there are: run, scenario, show, sweep"),
         (["run", GREEN, "--sede", "1"], "No such option"),
         (["run", GREEN, "--seed", "-1"], "--seed"),
         (["run", "nowhere.yaml"], "nowhere.yaml: cannot be read: No such file or directory"),
@@ -195,9 +198,32 @@ def test_run_that_does_not_get_there_exits_with_1_and_says_why(
 ) -> None:
     trace = str(tmp_path / "a.mcap")
     assert called(monkeypatch, "run", GREEN, "--world", "symbolic", "-o", trace, "-q", "--max-steps", "2") == 1
-    first, second, _ = capsys.readouterr().out.splitlines()
-    assert first.startswith("goal not achieved: 2 actions were executed (limits.steps); best candidate ")
-    assert second == "true in the simulator: no"
+    first, properties, truth, _ = capsys.readouterr().out.splitlines()
+    assert first.startswith("goal not achieved: 2 actions were executed (limits.steps); best candidate soda")
+    assert re.fullmatch(r"  of soda[EBC] is believed: green 0\.\d{3}", properties)
+    assert truth == "true in the simulator: no"
+
+
+def test_show_prints_the_plans_of_a_run_and_what_was_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    trace = str(tmp_path / "a.mcap")
+    assert called(monkeypatch, "run", GREEN, "--world", "symbolic", "-o", trace, "-q") == 0
+    capsys.readouterr()
+    assert called(monkeypatch, "show", trace) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("goal: exists o.")
+    assert sum(line.startswith("dropped, no longer so: B(den(e1,soda") for line in lines) == 2
+    assert lines[-2].strip() == "(Place(sodaC, table1))"
+
+
+def test_show_of_something_that_is_no_trace_exits_with_3(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = tmp_path / "notes.mcap"
+    other.write_text("not a trace")
+    assert called(monkeypatch, "show", str(other)) == 3
+    assert "notes.mcap" in capsys.readouterr().err
 
 
 def test_an_internal_error_exits_with_4_and_the_trace_is_closed(

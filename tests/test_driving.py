@@ -59,3 +59,13 @@ def test_a_goal_inside_a_table_is_not_reached_and_the_robot_stays(world: Believe
     world.update(scenes.belief(scenes.tables()))
     assert drive(world, (0.0, 0.0, 0.0), (1.3, 0.0, 0.0), seed=1) is None
     assert world.robot.base() == (0.0, 0.0, 0.0)
+
+
+def test_a_robot_that_believes_it_stands_in_a_table_by_a_little_steps_out_of_it_first(world: BelievedWorld) -> None:
+    start = (0.59, 0.0, 0.0)
+    world.update(scenes.belief(scenes.tables(), start))
+    assert not world.free()
+    path = drive(world, start, (-0.5, 0.5, 1.0), 1)
+    assert path is not None
+    assert path[0] == pytest.approx((0.0, 0.0, 0.0))
+    assert path[1][0] < -0.003

@@ -68,7 +68,7 @@ PLAN = Plan(
     cause="preimage_lost",
     false_fluents=("b(den(e1,sodaE),105361)",),
     layers=tuple(
-        tuple(PlanStep(op=op, level=0, concrete=1, cost=0, subgoal=(), preimage=()) for op in layer)
+        tuple(PlanStep(op=op, level=0, concrete=1, primitive=True, cost=0, subgoal=(), preimage=()) for op in layer)
         for layer in (("ExamineObj(_o2_)", "Place(_o2_, desk)"), ("LookAt(_o2_)",))
     ),
     current=(0, 0),

@@ -14,6 +14,10 @@ from typer.core import TyperGroup
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "run": ("skolem.tools.run", "Run a scenario and record it as a trace."),
     "scenario": ("skolem.tools.scenario_check", "Check scenario files, or print their JSON Schema."),
+    "show": (
+        "skolem.tools.show",
+        "Print how a run was planned: every plan, what refined it, what was done and what was dropped.",
+    ),
     "sweep": (
         "skolem.tools.sweep",
         "Run scenarios for many seeds, several at a time, and write tables of how it went.",

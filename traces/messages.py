@@ -368,6 +368,7 @@ class PlanStep(Message):
     op: str
     level: int
     concrete: int = Field(description="the level at which every precondition is demanded")
+    primitive: bool = Field(description="carried out by the robot; false: an inference")
     cost: MicroNats
     subgoal: tuple[str, ...] = Field(description="fluents to hold after the step, sorted")
     preimage: tuple[str, ...] = Field(description="fluents under which the step may be taken, sorted")

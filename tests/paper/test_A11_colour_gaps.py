@@ -9,7 +9,7 @@ from skolem.reasoner.rulebook import Rulebook
 
 
 def test_gaps_between_colours_are_reported(tmp_path: Path) -> None:
-    """ "We define color names as fixed volumes in HSV space": a user who narrows a colour hears of the hues it leaves."""
+    """ "We define color names as fixed volumes in HSV space": who narrows a colour hears of the hues it leaves."""
     mine = tmp_path / "mine.lp"
     mine.write_text("colour(green, 100, 150, 40, 100, 20, 100).\n")
     messages = [warning.message for warning in Rulebook.load(Queries, [mine]).warnings]

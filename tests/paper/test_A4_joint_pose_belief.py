@@ -15,8 +15,8 @@ A, B = (1.0, -0.2, 0.7, 0.0), (1.0, 0.2, 0.7, 0.0)
 
 def observed() -> Handler:
     """A robot that has seen two cans well and has driven half a metre since."""
-    noise = {"odometry_sd_m": 0.05, "odometry_sd_rad": 0.05}
-    robot = Handler(at_five_percent([can("a", 1.0, A, 0.01), can("b", 1.0, B, 0.01)], **noise))
+    cans = [can("a", 1.0, A, 0.01), can("b", 1.0, B, 0.01)]
+    robot = Handler(at_five_percent(cans, odometry_sd_m=0.05, odometry_sd_rad=0.05))
     robot.see(seen_as(A), seen_as(B))
     robot.drive((0.3, 0.0, 0.1))
     return robot

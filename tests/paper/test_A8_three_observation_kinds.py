@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from papers import STANDS, Handler, at_five_percent, can, seen_as
+from papers import Handler, at_five_percent, can, seen_as
 
 from skolem.traces.messages import ObjectBelief, TypeIs
 

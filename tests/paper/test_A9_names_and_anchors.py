@@ -1,7 +1,7 @@
 """A9: objects have no names but those given in advance and the anchors of the robot."""
 
 import pytest
-from papers import STANDS, Handler, at_five_percent, can, posed, seen_as
+from papers import STANDS, Handler, at_five_percent, can, posed
 from searches import FRONT, Searcher
 
 from skolem.traces.errors import InputError

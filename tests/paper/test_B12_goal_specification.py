@@ -1,8 +1,8 @@
 """B12: a goal is a formal specification."""
 
 import pytest
-from hypothesis import given, settings
 from descriptions import OBJECTS, RELATIONS, goals
+from hypothesis import given, settings
 from papers import EXAMPLE_GOAL, GREEN_TO_TABLE1, shipped
 
 from skolem.reasoner.expressions import Goal

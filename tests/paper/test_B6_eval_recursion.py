@@ -21,7 +21,7 @@ Fact = tuple[str, ...]  # a relation and its anchors, or ("exists", anchor)
 def believed(
     anchor: str, soda: float, hue: float, y: float, on: str = "table1", kind: str | None = None
 ) -> PriorObject:
-    """Return a thing of uncertain type, colour and place (half on its table at y = .467), or of a kind, on the floor."""
+    """Return a thing of uncertain type, colour and place (half on its table at y = .467), or a kind on the floor."""
     return PriorObject(
         anchor=anchor,
         type={kind: 1.0} if kind else {"soda": soda, "bottle": 1.0 - soda},

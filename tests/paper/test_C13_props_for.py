@@ -28,7 +28,7 @@ def props(soda: float, green_sd: float = 0.0388) -> str:
     ],
 )
 def test_a_property_is_asked_for_if_it_is_believed_less_than_its_share(soda: float, asked: str) -> None:
-    """ "It already believes with high probability that it is green and a can, so the weight is the crucial property." """
+    """ "It already believes that it is green and a can, and so the weight is the crucial property to observe." """
     assert props(soda) == asked
 
 

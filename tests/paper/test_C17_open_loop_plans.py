@@ -1,5 +1,7 @@
 """C17: plans do not branch."""
 
+import itertools
+
 from papers import plans, rehearsed
 
 
@@ -8,7 +10,7 @@ def test_a_plan_is_a_list_of_steps_each_leading_to_the_next() -> None:
     for name in ("example", "searching"):
         for plan in plans(rehearsed(name)[0]):
             for layer in plan.layers:
-                chained = list(zip(layer, layer[1:], strict=False))
+                chained = list(itertools.pairwise(layer))
                 if plan.cause == "bind_skolem":
                     continue  # the steps before the binding keep the placeholder
                 assert all("sk(" in str(a.subgoal) or a.subgoal == b.preimage for a, b in chained)

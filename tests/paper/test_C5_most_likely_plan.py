@@ -111,7 +111,7 @@ def minimised(at: PosedGoal) -> int:
 @given(beliefs())
 @settings(max_examples=8)
 def test_the_plan_is_the_likeliest_of_all_by_enumeration_and_by_whole_plan_optimisation(belief: TableBelief) -> None:
-    """ "By finding a plan that minimizes the sum of these costs, we will have found the most likely open-loop plan." """
+    """ "A plan that minimizes the sum of these costs: the open-loop plan that is most likely to achieve the goal." """
     at = posed(EXAMPLE_GOAL, belief)
     found = regress(at.instantiations, at.offers, lambda _: 0, lambda *_: False, 3000, 50_000_000)
     assert found.steps is not None

@@ -14,7 +14,7 @@ from skolem.traces.messages import LookAt
 
 pytestmark = pytest.mark.physics
 
-SODA_HALF_M, SODA_M = 0.033, 0.115
+SODA_HALF_M, SODA_M = 0.04, 0.115
 
 
 def test_points_lie_on_what_they_are_of_within_the_sensors_stated_error() -> None:

@@ -1,0 +1,60 @@
+"""The plans of a whole run as a tree: one row per plan, below it the plans that refined its steps and what was done."""
+
+import math
+import re
+from collections.abc import Iterable, Iterator
+from itertools import groupby
+
+from skolem.traces.messages import Action, Plan, PlanStep
+
+_BELIEF = re.compile(r"^b\((.*),(\d+)\)$")
+_PLANNED = ("start", "refine")
+_DROPPED = ("preimage_lost", "refused")
+
+
+def tree_lines(plans: Iterable[Plan], actions: Iterable[Action]) -> list[str]:
+    """Return one line per plan, executed action and drop, in order, indented by the layer of the plan stack.
+
+    A plan's row is `[subgoal]` and its steps: `-op->` for an inference, `op @level/concrete` for what is carried out.
+    An executed action is `(op)`.
+    """
+    merged: list[Plan | Action] = sorted([*plans, *actions], key=lambda item: (item.step, isinstance(item, Action)))
+    lines: list[str] = []
+    depth = 0
+    for item in merged:
+        if isinstance(item, Action):
+            lines.append(f"{'  ' * depth}({item.op})")
+            continue
+        if item.cause in _PLANNED:
+            lines.append(_row(item))
+        elif item.cause in _DROPPED:
+            lines.append(f"{'  ' * len(item.layers)}{_drop(item)}")
+        depth = len(item.layers)
+    return lines
+
+
+def _row(plan: Plan) -> str:
+    """Return the row of the plan that was made last: the lowest layer."""
+    layer = plan.layers[-1]
+    goal = " & ".join(readable(fluent) for fluent in layer[-1].subgoal)
+    return f"{'  ' * (len(plan.layers) - 1)}[{goal}] {' ; '.join(_steps(layer))}"
+
+
+def _steps(layer: Iterable[PlanStep]) -> Iterator[str]:
+    for primitive, steps in groupby(layer, key=lambda step: step.primitive):
+        for step in steps:
+            yield f"{step.op} @{step.level}/{step.concrete}" if primitive else f"-{step.op}->"
+
+
+def _drop(plan: Plan) -> str:
+    false = ", ".join(map(readable, plan.false_fluents))
+    return f"dropped, no longer so: {false}" if plan.cause == "preimage_lost" else f"cannot be done here: {false}"
+
+
+def readable(fluent: str) -> str:
+    """Return a fluent with its bound as a probability: `b(krd(o2),105361)` becomes `B(krd(o2), .900)`."""
+    belief = _BELIEF.match(fluent)
+    if belief is None:
+        return fluent
+    p = math.exp(-int(belief[2]) / 1e6)
+    return f"B({belief[1]}, {f'{p:.3f}'.removeprefix('0')})"
