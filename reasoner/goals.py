@@ -85,12 +85,22 @@ class PosedGoal:
         return None
 
     def closest(self) -> Closest:
-        """Return the instantiation without Skolem constants that is most probable now."""
+        """Return the instantiation without Skolem constants that is most probable now.
+
+        Of equally probable ones it is one about a thing that hands can move, then one whose object is likelier meant.
+        """
         known = [root for root in self.instantiations if not any(mentions(f, "sk") for f in root)]
         if not known:
             return Closest()
-        best = max(known, key=lambda root: (self._probability(root), self._probability(root, "den")))
-        anchor = _subject(best, self.situation.anchors())
+        anchors = self.situation.anchors()
+
+        def merit(root: Subgoal) -> tuple[float, bool, float]:
+            about = _subject(root, anchors)
+            movable = about is not None and self._belief.graspable(about)
+            return self._probability(root), movable, self._probability(root, "den")
+
+        best = max(known, key=merit)
+        anchor = _subject(best, anchors)
         return Closest(self._probability(best), anchor, {} if anchor is None else self._conjuncts(anchor))
 
     def _probability(self, root: Subgoal, kind: str = "") -> float:
