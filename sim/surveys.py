@@ -126,7 +126,7 @@ def _unhidden(camera: Camera, points: Floats, eye: Floats) -> Mask:
     """Return which points are in range with nothing before them, shape (n,)."""
     distance = np.linalg.norm(points - eye, axis=1)
     near = (distance >= NEAREST_M) & (distance <= FARTHEST_M)
-    return near & (camera.unhidden(points))
+    return np.asarray(near & camera.unhidden(points))
 
 
 def _mean(points: Floats) -> Vector3:

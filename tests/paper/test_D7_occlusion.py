@@ -1,8 +1,7 @@
 """D7: substantial occlusion: what stands behind something is not seen, not believed absent, and looked for elsewhere."""
 
 import pytest
-from papers import STANDS, at_five_percent
-from papers import can as told_can
+from papers import STANDS, at_five_percent, can
 from runs import Run, with_physics
 from searches import BACK, FRONT, REGION, Searcher, told
 
@@ -11,7 +10,7 @@ SCREEN = ("screen", (0.85, 0.0, 0.7, 0.0))  # between FRONT and STANDS
 
 def test_an_object_behind_a_box_is_not_detected_and_not_believed_absent() -> None:
     """ "Both in simulation and on a real physical robot, in the presence of substantial occlusion"."""
-    searcher = Searcher(at_five_percent([told_can()]), [SCREEN, ("soda", STANDS)])
+    searcher = Searcher(at_five_percent([can()]), [SCREEN, ("soda", STANDS)])
     for _ in range(5):
         searcher.look(FRONT)
     assert searcher.belief.prob_exists("can1") == pytest.approx(0.99)

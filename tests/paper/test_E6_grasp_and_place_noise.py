@@ -8,9 +8,8 @@ import pytest
 from numpy.typing import NDArray
 from papers import Handler, at_five_percent, can
 from runs import Run, over
-from tabletop import EXACT, TABLE_M, TYPES
+from tabletop import EXACT, TABLE_M, TYPES, near_table
 from tabletop import can as true_can
-from tabletop import near_table
 
 from skolem.sim.poses import compose4, inverse4
 from skolem.sim.symbolic import SymbolicWorld

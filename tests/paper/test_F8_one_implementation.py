@@ -4,10 +4,10 @@ import ast
 from pathlib import Path
 
 import pytest
-import skolem.estimation.belief
-import skolem.reasoner.agent
 from runs import SCENARIOS, ran, with_physics
 
+import skolem.estimation.belief
+import skolem.reasoner.agent
 from skolem.sim.pybullet_world import PyBulletWorld
 from skolem.sim.symbolic import SymbolicWorld
 from skolem.tools.session import prepare

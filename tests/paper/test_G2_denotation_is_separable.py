@@ -1,5 +1,6 @@
 """G2: the rules of denotation augment a planner that does without them."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,10 +15,10 @@ OTHERS = tuple(f"{name}.lp" for name in RULE_FILES if f"{name}.lp" not in DENOTA
 
 
 @pytest.fixture(scope="module")
-def without(tmp_path_factory: pytest.TempPathFactory) -> Rulebook:
+def without(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rulebook]:
     """The rules but for those of denotation; a file of one's own says that nothing instantiates a goal's variables."""
     book = with_own_rules(tmp_path_factory.mktemp("rules"), "#defined instance/2.\n")
-    return replace(book, files={name: text for name, text in book.files.items() if name not in DENOTATION})
+    yield replace(book, files={name: text for name, text in book.files.items() if name not in DENOTATION})
 
 
 def test_goals_about_named_objects_are_achieved_without_the_rules_of_denotation(without: Rulebook) -> None:
@@ -44,7 +45,9 @@ def test_what_a_description_means_needs_them() -> None:
     """ "So that it can act to interpret and achieve these goals": with them, and only with them."""
     play = Play(shipped(), GREEN_TO_TABLE1, three_sodas(), HUES)
     assert play.run()[-1] == "Place(sodaC, table1)"
-    named = {step.op.partition("(")[0] for turn in play.turns for p in turn.plans for layer in p.layers for step in layer}
+    named = {
+        step.op.partition("(")[0] for turn in play.turns for p in turn.plans for layer in p.layers for step in layer
+    }
     assert "ExamineObj" in named
     text = "".join(Path(name).stem + shipped().files[name].decode() for name in OTHERS if name != "vocabulary.lp")
     assert "examine_obj" not in text

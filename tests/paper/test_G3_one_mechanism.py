@@ -27,7 +27,9 @@ def test_one_stack_refines_an_inference_down_to_a_movement() -> None:
     play, _ = rehearsed()
     stacks = [[{step.op.partition("(")[0] for step in layer} for layer in plan.layers] for plan in plans(play)]
     assert any("ExamineObj" in stack[0] and "Pick" in set().union(*stack[1:]) for stack in stacks if len(stack) > 1)
-    assert any("FindObj" in stack[0] and "LookAtRegion" in set().union(*stack[1:]) for stack in stacks if len(stack) > 1)
+    assert any(
+        "FindObj" in stack[0] and "LookAtRegion" in set().union(*stack[1:]) for stack in stacks if len(stack) > 1
+    )
 
 
 def test_both_kinds_come_from_one_question_to_the_rules() -> None:
