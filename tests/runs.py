@@ -1,8 +1,8 @@
 """Whole runs of the scenario files, each done once and read by every item that asks for it.
 
-A `Run` is the recorded messages of one trace in memory. Assertions are about rows: operators, anchors, levels, plans that
-were given up and why; never about joint values. The figures over hundreds of seeds come from `skolem sweep` and stand in
-docs/results.md; the seeds here are few, so that the tests stay short.
+A `Run` is the recorded messages of one trace in memory. Assertions are about rows: operators, anchors, levels, plans
+that were given up and why; never about joint values. The figures over hundreds of seeds come from `skolem sweep` and
+stand in docs/results.md; the seeds here are few, so that the tests stay short.
 """
 
 import tempfile
@@ -136,7 +136,7 @@ def distinct_successes(runs: Iterable[Run]) -> set[tuple[str, ...]]:
 
 
 class Stage:
-    """The robot before a table in the physics engine, led by hand; everything is exact unless a noise model is given."""
+    """The robot before a table in the physics engine, led by hand; all is exact unless a noise model is given."""
 
     def __init__(self, things: list[TrueBody], noise: NoiseModel = EXACT, seed: int = 0) -> None:
         from skolem.sim.pybullet_world import PyBulletWorld

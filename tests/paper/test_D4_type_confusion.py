@@ -8,7 +8,7 @@ SODA = TypeIs(type="soda")
 
 
 def after(wrong: int) -> float:
-    """Return P(soda) of a can thought one at .95, when a detector right in 9 of 10 cases called it a bottle so often."""
+    """Return P(soda) of a can thought one at .95 that a detector right in 9 of 10 cases called a bottle so often."""
     robot = Handler(at_five_percent([can(soda=0.95)], type_right=0.9))
     for _ in range(wrong):
         robot.see(seen_as(STANDS, kind="bottle"))

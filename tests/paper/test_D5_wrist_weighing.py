@@ -26,7 +26,7 @@ def lifted(stage: Stage, carry: tuple[Joints7, ...]) -> Pick:
 
 @pytest.mark.parametrize("carry", [(), (CARRY["right"],)], ids=["lifted", "carried"])
 def test_the_force_is_the_objects_weight_in_whatever_pose_the_arm_is(carry: tuple[Joints7, ...]) -> None:
-    """ "The right wrist has a (very noisy) 6-axis force-torque sensor": gravity points down, the hand's own is taken off."""
+    """ "The right wrist has a (very noisy) 6-axis force-torque sensor": the pull of the hand is taken off."""
     with Stage([true_can()]) as stage:
         empty = stage.do(Weigh(hand="right"))[1].wrench
         lifted(stage, carry)
@@ -62,7 +62,7 @@ def test_a_reading_is_an_indirect_observation_that_several_make_certain() -> Non
 
 
 def test_what_was_weighed_in_a_whole_run_is_believed_to_weigh_what_it_weighs() -> None:
-    """ "Force-torque measurements from the wrist for weight"; calibration over seeds: `skolem sweep`, docs/results.md."""
+    """ "Force-torque measurements from the wrist for weight"; over seeds: `skolem sweep`, docs/results.md."""
     run = with_physics("sim2_heavy_soda")
     for anchor in run.named("Weigh"):
         mean, variance = run.beliefs[-1].objects[anchor].log_weight

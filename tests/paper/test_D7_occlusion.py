@@ -1,4 +1,4 @@
-"""D7: substantial occlusion: what stands behind something is not seen, not believed absent, and looked for elsewhere."""
+"""D7: substantial occlusion: what stands behind something is not seen, not believed absent, and found elsewhere."""
 
 import pytest
 from papers import STANDS, at_five_percent, can

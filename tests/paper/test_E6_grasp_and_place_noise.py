@@ -30,16 +30,15 @@ def handled(seed: int, **noise: float) -> tuple[Pose4, Pose4]:
     path, carry = (joints,), (CARRY["right"],)
     pick = Pick(hand="right", approach=path, reach=path, lift=path, carry=path, tool_T_object=IN_HAND)
     place = Place(hand="right", approach=path, lower=path, retreat=path, carry=carry)
-    found = []
-    for step, command in enumerate((pick, place)):
-        world.execute(Action(step=step, op="test", args=(), command=command))
-        found.append(world.state(step + 1).objects[-1].world_T_object)
-    return compose4(inverse4(TOOL), found[0]), found[1]
+    world.execute(Action(step=0, op="test", args=(), command=pick))
+    held = world.state(1).objects[-1].world_T_object
+    world.execute(Action(step=1, op="test", args=(), command=place))
+    return compose4(inverse4(TOOL), held), world.state(2).objects[-1].world_T_object
 
 
 def sds(poses: list[Pose4]) -> NDArray[np.float64]:
     """Return the scatter of places, metres."""
-    return np.std(np.array(poses)[:, :2], axis=0)
+    return np.asarray(np.std(np.array(poses)[:, :2], axis=0))
 
 
 def test_grasps_and_places_scatter_with_the_sd_that_the_scenario_states() -> None:
@@ -52,9 +51,9 @@ def test_grasps_and_places_scatter_with_the_sd_that_the_scenario_states() -> Non
     assert sds(both) == pytest.approx(np.full(2, math.hypot(GRASP_M, PLACE_M)), rel=0.2)
 
 
-def variances(**noise: float) -> tuple[float, float]:
+def variances(grasp_sd_m: float = 0.0, place_sd_m: float = 0.0) -> tuple[float, float]:
     """Return the believed variance along x while a well-known can is held and after it was placed, square metres."""
-    robot = Handler(at_five_percent([can(sd_m=0.001)], **noise))
+    robot = Handler(at_five_percent([can(sd_m=0.001)], grasp_sd_m=grasp_sd_m, place_sd_m=place_sd_m))
     robot.pick("can1")
     held = robot.belief.snapshot(0).objects["can1"].covariance[0]
     robot.place("can1", "table1", (0.8, 0.2, 0.0))

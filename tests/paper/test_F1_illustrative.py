@@ -8,7 +8,8 @@ stands in docs/results.md. The paper's indices o1..o4 are anchors there; what th
 import math
 
 import pytest
-from papers import Play, example, plans, rehearsed
+from papers import example, plans, rehearsed
+from plays import Play
 from runs import Run, thing_in, with_physics
 
 from skolem.traces.messages import LookAt

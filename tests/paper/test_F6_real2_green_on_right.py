@@ -1,7 +1,7 @@
 """F6: a green can, a green box and a red box in front; a green one onto the table to the right.
 
-Which of the green ones is taken depends on what is cheapest; the paper gives no reason why its robot prefers the box, and
-none is asserted. Three arrangements; 500 seeds of them come from `skolem sweep` (docs/results.md).
+Which of the green ones is taken depends on what is cheapest; the paper gives no reason why its robot prefers the box,
+and none is asserted. Three arrangements; 500 seeds of them come from `skolem sweep` (docs/results.md).
 """
 
 import pytest

@@ -15,7 +15,7 @@ def assert_about_the_unknown(run: Run) -> None:
 
 
 def test_a_goal_is_achieved_with_zero_objects_known() -> None:
-    """ "Neither the human nor the robot is aware of the location, state, or even existence of the ... objects needed"."""
+    """ "Neither the human nor the robot is aware of the location, state, or even existence of the ... objects"."""
     achieved = [run for run in over("sim3_unknown", SEEDS) if run.achieved and run.verdict.true]
     assert len(achieved) >= 7  # of eight; 500 seeds: docs/results.md
     for run in achieved:

@@ -1,6 +1,5 @@
 """G2: the rules of denotation augment a planner that does without them."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,10 +14,15 @@ OTHERS = tuple(f"{name}.lp" for name in RULE_FILES if f"{name}.lp" not in DENOTA
 
 
 @pytest.fixture(scope="module")
-def without(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rulebook]:
-    """The rules but for those of denotation; a file of one's own says that nothing instantiates a goal's variables."""
-    book = with_own_rules(tmp_path_factory.mktemp("rules"), "#defined instance/2.\n")
-    yield replace(book, files={name: text for name, text in book.files.items() if name not in DENOTATION})
+def book(tmp_path_factory: pytest.TempPathFactory) -> Rulebook:
+    """The rules, with a file of one's own by which variables of a goal need not be instantiated by any rule."""
+    return with_own_rules(tmp_path_factory.mktemp("rules"), "#defined instance/2.\n")
+
+
+@pytest.fixture(scope="module")
+def without(book: Rulebook) -> Rulebook:
+    """The same but for the rules of denotation."""
+    return replace(book, files={name: text for name, text in book.files.items() if name not in DENOTATION})
 
 
 def test_goals_about_named_objects_are_achieved_without_the_rules_of_denotation(without: Rulebook) -> None:

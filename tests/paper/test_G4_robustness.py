@@ -1,11 +1,13 @@
 """G4: robust to sensing error.
 
 Every scenario here has a detector that misses one thing in ten, takes one in twenty (in the "real" profile one in ten)
-for another type and invents some, wheels that slip and a wrist that is off by 40 g or more. 200 and more seeds come from
-`skolem sweep` (docs/results.md).
+for another type and invents some, wheels that slip and a wrist that is off by 40 g or more. 200 and more seeds come
+from `skolem sweep` (docs/results.md).
 """
 
 from runs import Run, over, ran
+
+from skolem.traces.messages import Detection
 
 SEEDS = {"sim1_green": 6, "sim2_heavy_soda": 6, "sim3_unknown": 8, "real1_oil": 12, "real2_green": 6}
 WORSE = ("noise.detection.found=0.8", "noise.detection.type_right=0.85", "noise.detection.false_per_look=0.3")
@@ -28,6 +30,11 @@ def test_what_is_claimed_at_nine_tenths_is_true_in_nine_tenths_at_least() -> Non
     assert sum(not run.verdict.true for run in claims) <= 0.1 * len(claims)
 
 
+def likeliest(seen: Detection) -> str:
+    """Return the type that a detection says."""
+    return max(seen.type_log_likelihood, key=lambda kind: seen.type_log_likelihood[kind])
+
+
 def test_the_errors_are_there() -> None:
     """ "Sensing error": looks that show nothing of what they are for, and types taken for others."""
     missed = wrong = 0
@@ -36,8 +43,7 @@ def test_the_errors_are_there() -> None:
             if seen.kind == "look":
                 things = [one for one in seen.detections if "table" not in one.type_log_likelihood]
                 missed += not things and "table" not in act.args[0]
-                likely = [max(one.type_log_likelihood, key=lambda t, o=one: o.type_log_likelihood[t]) for one in things]
-                wrong += sum(kind not in ("soda", "bottle") for kind in likely)
+                wrong += sum(likeliest(one) not in ("soda", "bottle") for one in things)
     assert missed > 0
     assert wrong > 0
 
