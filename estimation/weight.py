@@ -93,7 +93,9 @@ class WeightBelief:
         distance = (z[:, None] - expected[None, :]) ** 2
         likelihood = np.exp(-0.5 * (distance - distance.min(axis=1, keepdims=True)) / variance) * mass
         reached = likelihood[:, inside].sum(axis=1) >= (p - ROUNDING) * likelihood.sum(axis=1)
-        return float(reached.reshape(QUANTILES, NOISE_NODES) @ weights @ np.ones(QUANTILES) / (QUANTILES * weights.sum()))
+        return float(
+            reached.reshape(QUANTILES, NOISE_NODES) @ weights @ np.ones(QUANTILES) / (QUANTILES * weights.sum())
+        )
 
     def _next_reading(self, kg: Array) -> tuple[Array, float]:
         """Return mean and variance of the next reading for each true weight: past ones have shown part of the bias."""

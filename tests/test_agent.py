@@ -1,15 +1,13 @@
 """Whole turns of the reasoner with the real rules, on a belief that is a table."""
 
-import math
-
 import pytest
 from minds import Region, Thing
+from papers import GREEN_TO_TABLE1, example, three_sodas
 from plays import BLUE, GREEN, LIMITS, RED, Play
 
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 
-GREEN_TO_TABLE1 = "exists o. B(Den(lambda x. Green(x), o), 0.9) & B(In(o, table1), 0.9)"
 HEAVY_SODA = "exists o. B(Den(lambda x. And(Heavy(x), Soda(x)), o), 0.9) & B(In(o, table1), 0.9)"
 
 
@@ -18,19 +16,10 @@ def rulebook() -> Rulebook:
     return Rulebook.load(Queries)
 
 
-def sodas() -> dict[str, Thing]:
-    tables = {f"table{k}": Thing({"table": 1.0}, pose_sd=0.005) for k in (1, 2, 3)}
-    return tables | {
-        "sodaE": Thing({"soda": 0.95, "bottle": 0.05}, on="table1"),
-        "sodaB": Thing({"soda": 0.95, "bottle": 0.05}, on="table2"),
-        "sodaC": Thing({"soda": 0.95, "bottle": 0.05}, on="table3"),
-    }
-
-
 def test_the_candidates_are_examined_one_after_another_and_the_stack_is_popped_after_each_disappointment(
     rulebook: Rulebook,
 ) -> None:
-    play = Play(rulebook, GREEN_TO_TABLE1, sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
     operators = play.run()
     assert operators == [
         "Move(look(sodaE))",
@@ -57,7 +46,7 @@ def test_the_candidates_are_examined_one_after_another_and_the_stack_is_popped_a
 
 
 def test_the_first_plan_supposes_the_likeliest_description_and_then_places(rulebook: Rulebook) -> None:
-    things = sodas()
+    things = three_sodas()
     things["sodaC"].hsv, things["sodaC"].hsv_sd = (GREEN, 0.8, 0.8), 0.2
     turn = next(iter(Play(rulebook, GREEN_TO_TABLE1, things).turns_to_the_end()))
     assert turn.decisions[0].plan == ("ExamineObj(e1, sodaC)", "Place(sodaC, table1)")
@@ -65,7 +54,7 @@ def test_the_first_plan_supposes_the_likeliest_description_and_then_places(ruleb
 
 def test_a_heavy_object_is_found_by_weighing_and_is_not_picked_twice(rulebook: Rulebook) -> None:
     weights = {"sodaE": -1.9, "sodaB": -1.8, "sodaC": -0.5}
-    play = Play(rulebook, HEAVY_SODA, sodas(), log_kg=weights)
+    play = Play(rulebook, HEAVY_SODA, three_sodas(), log_kg=weights)
     operators = play.run()
     assert operators[-1] == "Place(sodaC, table1)"
     assert [op for op in operators if op.startswith("Weigh")] == ["Weigh(sodaE)", "Weigh(sodaB)", "Weigh(sodaC)"]
@@ -74,14 +63,14 @@ def test_a_heavy_object_is_found_by_weighing_and_is_not_picked_twice(rulebook: R
 
 
 def test_an_object_is_looked_at_before_it_is_picked_while_its_pose_is_poorly_known(rulebook: Rulebook) -> None:
-    things = sodas()
+    things = three_sodas()
     things["sodaC"].hsv, things["sodaC"].hsv_sd, things["sodaC"].pose_sd = (GREEN, 0.9, 0.8), 0.01, 0.1
     operators = Play(rulebook, GREEN_TO_TABLE1, things).run()
     assert operators.index("LookAt(sodaC)") < operators.index("Pick(sodaC)")
 
 
 def test_no_geometry_is_asked_about_a_later_abstract_step_before_the_first_is_done(rulebook: Rulebook) -> None:
-    play = Play(rulebook, GREEN_TO_TABLE1, sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
     for turn in play.turns_to_the_end():
         if turn.action is not None and turn.action.op == "LookAt(sodaC)":
             break
@@ -89,7 +78,7 @@ def test_no_geometry_is_asked_about_a_later_abstract_step_before_the_first_is_do
 
 
 def test_without_a_plan_the_run_ends_with_the_reason_and_the_best_candidate(rulebook: Rulebook) -> None:
-    play = Play(rulebook, GREEN_TO_TABLE1, sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": RED})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": RED})
     play.run()
     end = play.turns[-1].end
     assert end is not None
@@ -99,7 +88,7 @@ def test_without_a_plan_the_run_ends_with_the_reason_and_the_best_candidate(rule
 
 
 def test_what_the_geometry_cannot_do_is_given_up_without_spinning(rulebook: Rulebook) -> None:
-    play = Play(rulebook, GREEN_TO_TABLE1, sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
     play.geometry.impossible = {"look(sodaC)", "pick(right, sodaC)", "pick(left, sodaC)"}
     play.run()
     end = play.turns[-1].end
@@ -111,7 +100,7 @@ def test_what_the_geometry_cannot_do_is_given_up_without_spinning(rulebook: Rule
 def test_an_action_that_changes_nothing_is_given_up_after_some_repeats(rulebook: Rulebook) -> None:
     limits = LIMITS.model_copy(update={"repeats": 4})
     hues = {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN}
-    play = Play(rulebook, GREEN_TO_TABLE1, sodas(), hues, limits=limits)
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), hues, limits=limits)
     play.fails = {"Pick(sodaC)"}
     operators = play.run()
     assert operators.count("Pick(sodaC)") == 2 * limits.repeats  # with each hand
@@ -123,7 +112,7 @@ def test_an_action_that_changes_nothing_is_given_up_after_some_repeats(rulebook:
 
 def test_the_limit_of_steps_ends_the_run(rulebook: Rulebook) -> None:
     limits = LIMITS.model_copy(update={"steps": 3})
-    play = Play(rulebook, GREEN_TO_TABLE1, sodas(), {"sodaE": RED}, limits=limits)
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED}, limits=limits)
     play.run()
     end = play.turns[-1].end
     assert end is not None
@@ -131,13 +120,13 @@ def test_the_limit_of_steps_ends_the_run(rulebook: Rulebook) -> None:
 
 
 def test_a_goal_that_is_believed_already_needs_no_action(rulebook: Rulebook) -> None:
-    things = sodas()
+    things = three_sodas()
     things["sodaE"].hsv, things["sodaE"].hsv_sd = (GREEN, 0.9, 0.8), 0.01
     assert Play(rulebook, GREEN_TO_TABLE1, things).run() == []
 
 
 def test_the_threshold_of_the_goal_decides_whether_anything_is_done(rulebook: Rulebook) -> None:
-    things = sodas()
+    things = three_sodas()
     things["sodaE"].hsv, things["sodaE"].hsv_sd = (GREEN, 0.9, 0.8), 0.1
     assert Play(rulebook, GREEN_TO_TABLE1.replace("x), o), 0.9", "x), o), 0.5"), things).run() == []
     assert Play(rulebook, GREEN_TO_TABLE1, things, {"sodaE": GREEN}).run() == ["Move(look(sodaE))", "LookAt(sodaE)"]
@@ -145,14 +134,14 @@ def test_the_threshold_of_the_goal_decides_whether_anything_is_done(rulebook: Ru
 
 def test_the_same_object_must_satisfy_the_whole_goal(rulebook: Rulebook) -> None:
     """One object is green elsewhere, another stands on the table and is red: nothing is achieved yet."""
-    things = sodas()
+    things = three_sodas()
     things["sodaE"].hsv, things["sodaE"].hsv_sd = (RED, 0.9, 0.8), 0.01
     things["sodaC"].hsv, things["sodaC"].hsv_sd = (GREEN, 0.9, 0.8), 0.01
     assert Play(rulebook, GREEN_TO_TABLE1, things).run()[-1] == "Place(sodaC, table1)"
 
 
 def test_the_cost_of_a_decision_is_counted_in_calls_and_expansions(rulebook: Rulebook) -> None:
-    play = Play(rulebook, GREEN_TO_TABLE1, sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
     play.run()
     for turn in play.turns:
         assert sum(d.clingo_calls for d in turn.decisions) <= 30
@@ -164,7 +153,7 @@ def test_the_cost_of_a_decision_is_counted_in_calls_and_expansions(rulebook: Rul
 
 def test_regions_are_searched_until_an_object_that_is_meant_turns_up(rulebook: Rulebook) -> None:
     """The paper's third simulation: tables known, no object known."""
-    things = {a: t for a, t in sodas().items() if a.startswith("table")}
+    things = {a: t for a, t in three_sodas().items() if a.startswith("table")}
     regions = {f"_reg{k}_": Region(f"table{k}", objects=1.0) for k in (1, 2, 3)}
     new = {
         "_reg1_": {"_o1_": Thing({"soda": 0.9, "bottle": 0.1}, on="table1", hsv=(RED, 0.9, 0.8), hsv_sd=0.01)},
@@ -178,7 +167,7 @@ def test_regions_are_searched_until_an_object_that_is_meant_turns_up(rulebook: R
 
 
 def test_the_likelier_region_is_searched_first(rulebook: Rulebook) -> None:
-    things = {a: t for a, t in sodas().items() if a.startswith("table")}
+    things = {a: t for a, t in three_sodas().items() if a.startswith("table")}
     regions = {"_reg1_": Region("table1", objects=0.1), "_reg2_": Region("table2", objects=0.3)}
     play = Play(rulebook, GREEN_TO_TABLE1, things, regions=regions)
     assert [op for op in play.run() if op.startswith("LookAtRegion")] == [
@@ -191,36 +180,8 @@ def test_the_likelier_region_is_searched_first(rulebook: Rulebook) -> None:
     assert end.regions == {"_reg1_": 0.95, "_reg2_": 0.95}
 
 
-HEAVY_GREEN_CAN = "exists o. B(Den(lambda x. Soda(x) & Green(x) & Heavy(x), o), 0.9) & B(On(o, desk), 0.9)"
-
-
-def illustrative(rulebook: Rulebook) -> Play:
-    """The paper's example: a box before a can that turns out light; a heavy one out of sight in another region."""
-    known = {"hsv_sd": 0.012, "pose_sd": 0.03}
-    things = {
-        "desk": Thing({"table": 1.0}, pose_sd=0.005),
-        "side": Thing({"table": 1.0}, pose_sd=0.005),
-        "shelf": Thing({"table": 1.0}, pose_sd=0.005),
-        "o1": Thing({"carton": 0.92, "soda": 0.08}, on="side", hsv=(GREEN, 0.8, 0.8), **known),
-        "o2": Thing({"soda": 0.80, "bottle": 0.20}, on="side", hsv=(GREEN, 0.8, 0.8), **known),
-        "o3": Thing({"soda": 0.87, "bottle": 0.13}, on="side", hsv=(BLUE, 0.8, 0.8), **known),
-    }
-    o4 = Thing({"soda": 0.91, "bottle": 0.09}, on="shelf", hsv=(GREEN, 0.8, 0.8), **known)
-    play = Play(
-        rulebook,
-        HEAVY_GREEN_CAN,
-        things,
-        log_kg={"o2": math.log(0.1), "_o4_": math.log(0.5)},
-        regions={"_reg2_": Region("shelf", objects=4.0)},
-        found={"_reg2_": {"_o4_": o4}},
-        shows_type=lambda a: {"carton": 0.99, "soda": 0.01} if a == "o1" else {"soda": 0.997, "bottle": 0.003},
-    )
-    play.geometry.in_the_way = {f"pick({hand}, o2)": ("o1",) for hand in ("right", "left")}
-    return play
-
-
 def test_the_illustrative_example_runs_as_the_paper_tells_it(rulebook: Rulebook) -> None:
-    play = illustrative(rulebook)
+    play = example()
     operators = play.run()
     first = play.turns[0].decisions[0].plan
     assert first == ("ExamineObj(e1, o2)", "Place(o2, desk)")
@@ -238,13 +199,13 @@ def test_the_illustrative_example_runs_as_the_paper_tells_it(rulebook: Rulebook)
 
 
 def test_an_obstacle_is_placed_where_it_is_not_in_the_way_again(rulebook: Rulebook) -> None:
-    play = illustrative(rulebook)
+    play = example()
     play.run()
     assert any(q.startswith("approach place(") and "o1" in q and "pick(" in q for q in play.geometry.asked)
 
 
 def test_the_end_without_success_gives_the_best_candidate_with_each_property(rulebook: Rulebook) -> None:
-    play = illustrative(rulebook)
+    play = example()
     play.found = {}
     play.run()
     end = play.turns[-1].end

@@ -15,21 +15,22 @@ from skolem.estimation.belief import Belief
 from skolem.reasoner.agent import Agent, Turn
 from skolem.reasoner.expressions import Goal
 from skolem.reasoner.parser import goal_faults, parse_goal
-from skolem.reasoner.protocols import Activity, Geometry
+from skolem.reasoner.protocols import Geometry
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.scenario import Document, Scenario, check, load_document, moves_before, prior, true_bodies
+from skolem.tools.recorded_geometry import RecordedGeometry
 from skolem.tools.source import SOURCE_SHA256
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.stopwatch import MOTION_PLANNING, Stopwatch
 from skolem.tools.verdict import verdict
 from skolem.traces import messages
 from skolem.traces.environment import environment
-from skolem.traces.messages import Action, ActionResult, Command, Observation, Pose4, RobotState, RunEnd, TrueState
+from skolem.traces.messages import Action, ActionResult, Observation, Pose4, RobotState, RunEnd, TrueState
 from skolem.traces.writer import TraceWriter
 
 WorldKind = Literal["pybullet", "symbolic"]
 LOADING, SENSING, PHYSICS = "loading", "rendering_and_detection", "physics"
-ESTIMATION, REASONING, MOTION_PLANNING, RECORDING = "estimation", "reasoning", "motion_planning", "recording"
+ESTIMATION, REASONING, RECORDING = "estimation", "reasoning", "recording"
 PARTS = (SENSING, ESTIMATION, REASONING, MOTION_PLANNING, PHYSICS, RECORDING, LOADING)
 DROPPED = frozenset({"preimage_lost", "refused"})  # causes for which plans are given up
 
@@ -324,53 +325,6 @@ class _Run:
         from skolem.sim.planning import PlanningWorld
 
         return PlanningWorld(self._setup.types, self._setup.seed)
-
-
-class RecordedGeometry:
-    """Passes geometric questions on, and records each with its answer."""
-
-    def __init__(self, geometry: Geometry, write: Callable[[str, messages.Message], None], watch: Stopwatch) -> None:
-        """Stand between the reasoner and `geometry`."""
-        self._geometry, self._write, self._watch = geometry, write, watch
-        self._step, self._version = 0, 0
-
-    def sync(self, belief: messages.Belief) -> None:
-        """Take over the believed world."""
-        self._step, self._version = belief.step, belief.version
-        with self._watch.part(MOTION_PLANNING):
-            self._geometry.sync(belief)
-
-    def ready(self, activity: Activity) -> Command | None:
-        """Return the command that does `activity` from here, or None."""
-        with self._watch.part(MOTION_PLANNING):
-            answer = self._geometry.ready(activity)
-        self._log(f"ready {activity}", answer)
-        return answer
-
-    def approach(self, activity: Activity) -> messages.MoveBase | None:
-        """Return a drive to where `activity` can be done, or None."""
-        with self._watch.part(MOTION_PLANNING):
-            answer = self._geometry.approach(activity)
-        self._log(f"approach {activity}", answer)
-        return answer
-
-    def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return what stands in the way of `activity`."""
-        with self._watch.part(MOTION_PLANNING):
-            found = self._geometry.blockers(activity)
-        self._write(
-            "/geometry",
-            messages.Geometry(
-                step=self._step, query=f"blockers {activity}", belief_version=self._version, blockers=found
-            ),
-        )
-        return found
-
-    def _log(self, query: str, answer: Command | None) -> None:
-        self._write(
-            "/geometry",
-            messages.Geometry(step=self._step, query=query, belief_version=self._version, answer=answer),
-        )
 
 
 def _robot_sha256(world: WorldKind) -> str:

@@ -4,6 +4,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+MOTION_PLANNING = "motion_planning"
+
 
 class Stopwatch:
     """Adds up the seconds spent in named parts; a part inside another stops the other meanwhile."""

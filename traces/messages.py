@@ -158,7 +158,9 @@ class Prior(Message):
     objects: tuple[PriorObject, ...]
     regions: tuple[PriorRegion, ...] = ()
     types: dict[str, ObjectType]
-    type: dict[str, Probability] = Field(default={}, description="of an arbitrary object; empty: each graspable type alike")
+    type: dict[str, Probability] = Field(
+        default={}, description="of an arbitrary object; empty: each graspable type alike"
+    )
     colour: HsvBelief = Field(description="of an arbitrary object")
     log_weight: tuple[float, float] = Field(description="mean, variance of ln(kg) of an arbitrary object")
     noise: NoiseModel = Field(description="what the robot believes of its sensors, right or wrong")

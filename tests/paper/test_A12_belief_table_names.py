@@ -1,4 +1,4 @@
-"""A12, the part that the product lacks: the heading `anchor`, and colours and weights that the robot was told."""
+"""A12: the heading is `anchor`, and colours and weights that the robot was told are printed."""
 
 import math
 

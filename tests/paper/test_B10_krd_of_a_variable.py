@@ -1,4 +1,4 @@
-"""B10, the part that the product lacks: KRD of a variable is false, not an error."""
+"""B10: KRD of a variable is false, not an error."""
 
 from papers import Handler, at_five_percent, can, holds
 

@@ -1,4 +1,4 @@
-"""B10, a fault found on the way: a goal that states a quantity of an object not met yet stops the run."""
+"""B10: a goal may state a quantity of an object that has not been met yet."""
 
 import pytest
 from minds import Region

@@ -1,4 +1,4 @@
-"""B8, the part that the product lacks: relations other than On and In, and relations of numbers."""
+"""B8: relations other than On and In, and relations of numbers."""
 
 import math
 

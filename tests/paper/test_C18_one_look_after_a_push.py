@@ -1,4 +1,4 @@
-"""C18 and A4, a fault found on the way: after a jump, covariances are those of the old linearisation point."""
+"""C18 and A4: covariances are those of the new place, also when an object was pushed far."""
 
 import numpy as np
 import pytest

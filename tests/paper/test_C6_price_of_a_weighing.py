@@ -1,4 +1,4 @@
-"""C6, a fault found on the way: the price of a weighing is not the probability of its favourable outcome."""
+"""C6: the price of a weighing is the probability of its favourable outcome."""
 
 import math
 

@@ -51,7 +51,7 @@ def find_decision(play: Play) -> tuple[str, ...]:
 
 
 def test_f1a_the_top_plan_examines_o2_and_places_it(play: Play) -> None:
-    """ "The highest-level plan has two abstract steps: examining ... _o2_, and placing that same object on the desk"."""
+    """ "Two abstract steps: examining ... _o2_, and placing that same object on the desk"."""
     assert play.turns[0].decisions[0].plan == ("ExamineObj(e1, o2)", "Place(o2, desk)")
     assert play.turns[0].decisions[0].subgoal == GOAL
 
@@ -110,7 +110,7 @@ def test_f1d_with_the_physics_the_look_makes_the_pose_known(run: Run) -> None:
 
 @pytest.mark.physics
 def test_f1e_weighing_reads_100_g(run: Run) -> None:
-    """ "The robot gets an observation that _o2_ weighs 100 g and updates its belief"; the second table's row of _o2_."""
+    """ "The robot gets an observation that _o2_ weighs 100 g"; the second table, row of _o2_."""
     after = run.beliefs[run.where("Weigh(o2)") + 1].objects["o2"]
     assert (after.in_hand, after.support, after.weighed) == ("right", None, True)
     assert math.exp(after.log_weight[0]) < 0.2
@@ -203,7 +203,7 @@ def test_f1j_weighing_reads_500_g(run: Run) -> None:
 
 
 def test_f1k_the_new_can_is_placed_on_the_desk(play: Play, rows: tuple[str, ...]) -> None:
-    """ "Finally, it places _o4_ on the desk, satisfying the goal"; the paper's figure has 22 actions, alike in number."""
+    """ "Finally, it places _o4_ on the desk, satisfying the goal"; 22 actions in the figure, about as many here."""
     assert rows[-1] == "Place(_o4_, desk)"
     end = play.turns[-1].end
     assert end is not None
