@@ -100,8 +100,16 @@ class Look:
         is_table = self._tracks.kind(expected.anchor).shape == "table"
         if m.distance2 > self._config.gate or is_table != (self._table(detection) is not None):
             return -math.inf
+        if not is_table and not self._at_height(detection, expected.anchor):
+            return -math.inf
         reported = self._tracks[expected.anchor].exists * self._noise.found
         return self._log_likelihood(detection, expected, m) + math.log(reported / (1.0 - reported))
+
+    def _at_height(self, detection: Detection, anchor: str) -> bool:
+        """Return whether a detected thing stands as high as an anchor is believed to."""
+        track = self._tracks[anchor]
+        sd = math.sqrt(self._z_sd(detection) ** 2 + track.z_variance)
+        return abs(detection.base_T_object[2] - track.z) <= self._config.height_tolerance_m + 2.0 * sd
 
     def _log_likelihood(self, detection: Detection, expected: Expected, m: Match) -> float:
         evidence = self._tracks[expected.anchor].types.evidence(detection.type_log_likelihood)

@@ -80,14 +80,13 @@ class Regions:
         """Return a region after a look; its support counts as being where it is on average."""
         support, grid, config = region.told.support, region.coverage.grid, self._config
         base_T_top = raised(graph.mean(BASE, support), tracks.top(support))
-        standing = self._standing(support, graph, tracks)
-        known = [s for s in standing if tracks[s.anchor].exists >= config.listed]
-        known = [s for s in known if s.anchor in sighted or not s.kind.graspable]
+        believed = [s for s in self._standing(support, graph, tracks) if tracks[s.anchor].exists >= config.listed]
+        known = [s for s in believed if s.anchor in sighted or not s.kind.graspable]
         asked = np.flatnonzero(~region.coverage.known | region.unexplained.hit)
         beyond = np.full(len(grid.centres), -np.inf)
         beyond[asked] = _room_beyond(image, _placed(grid.centres[asked], base_T_top), config.sight_m)
         filled = _inside(grid, known, config.voxel_m / 2.0)
-        explained = _inside(grid, standing, self._hit_margin_m)
+        explained = _inside(grid, believed, self._hit_margin_m)
         hit = self._hit(grid, image, base_T_top, graph.robot) * ~explained
         return Region(
             region.told,
@@ -142,9 +141,12 @@ class Regions:
         return 1.0 - none_hidden * (1.0 - match * self._overlooked(at))
 
     def prob_contents(self, region: str) -> float:
-        """Return the part of a region that is known, times P(no unmet object is among what was seen)."""
+        """Return the part of a region that is known, times P(no unmet object is among what was seen).
+
+        Little unseen space can be the very place where an object still fits: where it does not is what is known.
+        """
         at = self[region]
-        return at.coverage.contents * (1.0 - self._overlooked(at))
+        return min(at.coverage.contents, 1.0 - at.coverage.hidden) * (1.0 - self._overlooked(at))
 
     def _overlooked(self, at: Region) -> float:
         return at.unexplained.prob_overlooked(self._config, self._found)

@@ -71,6 +71,10 @@ class Queries:
         sizes = [len(words) for words in self._alternatives[expression] if set(props.args) <= set(words)]
         return p * len(props.args) // max(sizes)
 
+    def doubt(self, anchor: str) -> Term:
+        """-ln P(there is such an object)."""
+        return nll(self._now.belief.prob_exists(anchor))
+
     def each(self, props: Compound) -> list[Term]:
         """(number of properties, property) for each of them."""
         return [Compound("", (len(props.args), word)) for word in props.args]

@@ -106,6 +106,8 @@ class Situation:
         match phi:
             case Compound("den", (str(expression), str(anchor))):
                 return self._denotation(expression, anchor)
+            case Compound("exists", (str(anchor),)):
+                return self.belief.prob_exists(anchor)
             case Compound("on", (str(anchor), str(support))):
                 return self.belief.prob_on(anchor, support)
             case Compound("contents", (str(region),)):

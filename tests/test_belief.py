@@ -292,7 +292,7 @@ def test_a_table_that_is_not_reported_is_not_doubted() -> None:
 
 def test_a_table_is_never_taken_for_a_thing_nor_a_thing_for_a_table() -> None:
     robot = Robot(prior({"can1": (1.0, 0.0, 0.0)}))
-    robot.look([table_detection((1.0, 0.0, 0.0)), detection((1.0, 0.0, 0.0), z=0.0)])
+    robot.look([table_detection((1.0, 0.0, 0.0)), detection((1.0, 0.0, 0.0))])
     assert robot.belief.prob_property("can1", TypeIs(type="soda")) > 0.9
     assert robot.belief.prob_property("table1", TypeIs(type="table")) == 1.0
     assert robot.belief.anchors() == ("table1", "can1")

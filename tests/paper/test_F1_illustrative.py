@@ -8,8 +8,9 @@ stands in docs/results.md. The paper's indices o1..o4 are anchors there; what th
 import math
 
 import pytest
-from papers import example, plans, rehearsed
-from plays import Play
+from minds import Thing
+from papers import EXAMPLE_GOAL, example, plans, rehearsed, shipped
+from plays import GREEN, Play
 from runs import Run, thing_in, with_physics
 
 from skolem.traces.messages import LookAt
@@ -227,3 +228,17 @@ def test_f1_the_whole_is_planned_in_more_than_eight_layers(play: Play) -> None:
 def test_f1_below_the_boundary_of_heavy_the_region_comes_first() -> None:
     """ "This plan was the most likely to succeed, which means that _o2_ has a non-trivial probability"."""
     assert example(p_heavy=0.05).agent.decide(0).decisions[0].plan[0].startswith("FindObj")
+
+
+def test_f1_what_is_in_the_hand_and_of_doubtful_type_is_put_down_to_be_seen() -> None:
+    """ "Using all of its physical abilities in service of gathering information": the hand hides what it holds."""
+    things = {
+        "desk": Thing({"table": 1.0}, pose_sd=0.005),
+        "shelf": Thing({"table": 1.0}, pose_sd=0.005),
+        "o4": Thing(
+            {"soda": 0.82, "bottle": 0.18}, hand="right", hsv=(GREEN, 0.8, 0.8), hsv_sd=0.01, ln_kg=(-0.6, 0.05)
+        ),
+    }
+    operators = Play(shipped(), EXAMPLE_GOAL, things).run()
+    assert at(operators, "Place(o4") < operators.index("LookAt(o4)")
+    assert not any(row.startswith("Weigh") for row in operators)
