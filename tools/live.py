@@ -19,6 +19,7 @@ from rich.table import Table
 from rich.text import Text
 
 from skolem.reasoner.agent import Turn
+from skolem.tools.plan_tree import readable
 from skolem.tools.session import DROPPED, Setup
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
@@ -111,7 +112,7 @@ def drop_text(plans: list[Plan]) -> str:
     if not dropped:
         return ""
     first = dropped[0]
-    return f"{first.cause.replace('_', ' ')}: {', '.join(first.false_fluents) or 'no step applies'}"
+    return f"{first.cause.replace('_', ' ')}: {', '.join(map(readable, first.false_fluents)) or 'no step applies'}"
 
 
 def observed_text(observation: Observation) -> str:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from papers import GREEN_TO_TABLE1, HUES, shipped, three_sodas, with_own_rules
+from papers import GREEN_TO_TABLE1, HUES, shipped, three_sodas
 from plays import Play
 
 from skolem.reasoner.rulebook import RULE_FILES, Rulebook
@@ -14,20 +14,14 @@ OTHERS = tuple(f"{name}.lp" for name in RULE_FILES if f"{name}.lp" not in DENOTA
 
 
 @pytest.fixture(scope="module")
-def book(tmp_path_factory: pytest.TempPathFactory) -> Rulebook:
-    """The rules, with a file of one's own by which variables of a goal need not be instantiated by any rule."""
-    return with_own_rules(tmp_path_factory.mktemp("rules"), "#defined instance/2.\n")
-
-
-@pytest.fixture(scope="module")
-def without(book: Rulebook) -> Rulebook:
-    """The same but for the rules of denotation."""
-    return replace(book, files={name: text for name, text in book.files.items() if name not in DENOTATION})
+def without() -> Rulebook:
+    """The rules but for those of denotation."""
+    return replace(shipped(), files={n: text for n, text in shipped().files.items() if n not in DENOTATION})
 
 
 def test_goals_about_named_objects_are_achieved_without_the_rules_of_denotation(without: Rulebook) -> None:
     """ "Inference rules and planning operators that can be used to augment an existing system"."""
-    assert len(without.files) == len(OTHERS) + 1
+    assert len(without.files) == len(OTHERS)
     play = Play(without, "B(On(sodaE, table2), 0.9)", three_sodas())
     operators = play.run()
     kinds = [row.partition("(")[0] for row in operators]
