@@ -117,7 +117,7 @@ def test_the_stack_has_a_line_per_layer_with_the_chosen_step_marked() -> None:
 
 
 def test_dropped_plans_say_which_fluents_became_false() -> None:
-    assert drop_text([PLAN]) == "preimage lost: b(den(e1,sodaE),105361)"
+    assert drop_text([PLAN]) == "preimage lost: B(den(e1,sodaE), .900)"
     assert drop_text([PLAN.model_copy(update={"cause": "popped"})]) == ""
 
 
@@ -133,7 +133,7 @@ def test_a_line_per_executed_action_goes_to_standard_error(capsys: pytest.Captur
     out, err = capsys.readouterr()
     assert out == ""
     assert err.splitlines() == [
-        "step  4  LookAt(_o2_) -> done, 1 detection  [after preimage lost: b(den(e1,sodaE),105361)]",
+        "step  4  LookAt(_o2_) -> done, 1 detection  [after preimage lost: B(den(e1,sodaE), .900)]",
         "step  4  LookAt(_o2_) -> done, no detections",
         "step  4  LookAt(_o2_) -> done, 3.40 N",
     ]
