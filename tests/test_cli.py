@@ -239,7 +239,8 @@ def test_an_internal_error_exits_with_4_and_the_trace_is_closed(
     assert Trace(trace).content_hash == said["content_hash"]
 
 
-def test_ctrl_c_exits_with_130_and_leaves_a_sound_trace(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_exits_with_130_and_leaves_a_sound_trace(tmp_path: Path, number: signal.Signals) -> None:
     slow = (
         "import sys, time; from skolem.sim.symbolic import SymbolicWorld as W; e = W.execute;"
         "W.execute = lambda world, action: (time.sleep(0.5), e(world, action))[1];"
@@ -250,7 +251,7 @@ def test_ctrl_c_exits_with_130_and_leaves_a_sound_trace(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", slow, *args], stdout=pipe, stderr=pipe, text=True) as process:
         assert process.stderr is not None
         process.stderr.readline()  # the first action has been executed
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         out, _ = process.communicate(timeout=60)
     said = json.loads(out)
     assert (process.returncode, said["status"]) == (130, "interrupted")

@@ -2,6 +2,7 @@
 
 import difflib
 import os
+import signal
 import sys
 import traceback
 from importlib import import_module
@@ -89,6 +90,7 @@ def skolem(
 def main() -> int:
     """Run the command line and return the exit status."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads are slower on small matrices, and not repeatable
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C, the trace is closed
     try:
         status = _run()
         sys.stdout.flush()

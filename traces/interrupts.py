@@ -1,26 +1,32 @@
-"""Hold back Ctrl-C while a few statements must run to their end."""
+"""Hold back Ctrl-C and requests to end while a few statements must run to their end."""
 
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Final
+
+HELD: Final = (signal.SIGINT, signal.SIGTERM)
 
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
     """Let the block run to its end, then deliver an interrupt that came meanwhile.
 
-    Python delivers signals to the main thread alone, so in any other thread there is nothing to hold.
+    Only signals that have a handler in Python are held: the others end the process without asking it. Python delivers
+    signals to the main thread alone, so in any other thread there is nothing to hold.
     """
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
+    handlers = {number: handler for number in HELD if callable(handler := signal.getsignal(number))}
     caught: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, frame: caught.append(number))
+    for number in handlers:
+        signal.signal(number, lambda caught_number, frame: caught.append(caught_number))
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         if caught:
-            before(signal.SIGINT, None)
+            signal.raise_signal(signal.Signals(caught[0]))
