@@ -63,6 +63,9 @@ class SymbolicGeometry:
             self._believed = SymbolicBelief(self._types, belief)
             self._ways = Ways(self._believed)
 
+    def close(self) -> None:
+        """Free nothing: there is no physics."""
+
     def ready(self, activity: Activity) -> Command | None:
         """Return the command that does `activity` from where the robot stands, or None."""
         match activity.kind, activity.hand, activity.support:

@@ -5,6 +5,7 @@ The simulator alone knows the scenario's true world; belief and reasoner get the
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, Protocol
@@ -61,6 +62,14 @@ class World(Protocol):
 
     def close(self) -> None:
         """Free what the world holds."""
+        ...
+
+
+class Planner(Geometry, Protocol):
+    """A geometry that holds something, such as a physics client, until it is closed."""
+
+    def close(self) -> None:
+        """Free what it holds."""
         ...
 
 
@@ -233,12 +242,14 @@ class _Run:
         self._write("/truth/state", world.state(0))
         with self._watch.part(LOADING):
             belief = Belief(told)
-            geometry = RecordedGeometry(self._geometry(), self._write, self._watch)
+            planner = self._geometry()
+        with closing(planner):
+            geometry = RecordedGeometry(planner, self._write, self._watch)
             agent = Agent(setup.goal, setup.rulebook, belief, geometry, scenario.limits)
-        step = 0
-        while (end := self._decide(agent, belief, geometry, step)) is None:
-            self._act(world, belief, step)
-            step += 1
+            step = 0
+            while (end := self._decide(agent, belief, geometry, step)) is None:
+                self._act(world, belief, step)
+                step += 1
         self._judge(world, step, end)
 
     def _decide(self, agent: Agent, belief: Belief, geometry: "RecordedGeometry", step: int) -> RunEnd | None:
@@ -316,7 +327,7 @@ class _Run:
     def _record(self, topic: str, message: Protobuf) -> None:
         self._write(topic, message)
 
-    def _geometry(self) -> Geometry:
+    def _geometry(self) -> Planner:
         """Build what answers the reasoner's geometric questions, from the belief alone."""
         if self._setup.world == "symbolic":
             from skolem.sim.symbolic_geometry import SymbolicGeometry
