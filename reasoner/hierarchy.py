@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from skolem.reasoner.instances import Instance, title
-from skolem.reasoner.patterns import mentions
 from skolem.reasoner.regression import Step, Subgoal
 from skolem.reasoner.terms import Term, substitute
 from skolem.traces.messages import Plan, PlanCause, PlanStep
@@ -147,11 +146,6 @@ def _bound(step: Step, binding: Binding) -> Step:
         subgoal=frozenset(map(apply, step.subgoal)),
         preimage=frozenset(map(apply, step.preimage)),
     )
-
-
-def has_placeholder(goal: Subgoal) -> bool:
-    """Return whether a Skolem constant occurs in the conjunction."""
-    return any(mentions(fluent, "sk") for fluent in goal)
 
 
 def _plan_step(step: Step) -> PlanStep:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
 
 from skolem.reasoner.patterns import mentions
 from skolem.reasoner.terms import Compound, Term
@@ -70,20 +69,6 @@ class Instance:
             self.immediate and other.immediate,
             tuple(sorted({*self.rejected, *other.rejected})),
         )
-
-
-class Answer(Protocol):
-    """Shown atoms of one solve call: predicate -> argument tuples."""
-
-    @property
-    def atoms(self) -> Mapping[str, list[tuple[Term, ...]]]:
-        """The shown atoms, sorted."""
-        ...
-
-    @property
-    def ground_atoms(self) -> int:
-        """Size of the ground program."""
-        ...
 
 
 @dataclass(slots=True)
