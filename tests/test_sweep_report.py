@@ -74,8 +74,17 @@ def test_what_is_believed_and_what_is_true_are_counted_apart() -> None:
 def test_every_failure_has_one_line_with_its_reason_and_trace() -> None:
     text = section(part(row(0), row(1, true=False), row(2, "limit_reached", False)))
     assert text.splitlines()[-2:] == [
-        "- seed 1: believed of sodaC at p = 0.950, but not true; sim1-1.mcap",
-        "- seed 2: limit_reached: because of it; sim1-2.mcap",
+        "- seed 1: believed, but not true; best candidate sodaC, p = 0.950; sim1-1.mcap",
+        "- seed 2: limit_reached: because of it; best candidate sodaC, p = 0.950; sim1-2.mcap",
+    ]
+
+
+def test_many_failures_that_say_the_same_are_one_line() -> None:
+    alike = [row(seed, "goal_unachievable", False) for seed in (*range(10), 12, 14, 15)]
+    text = section(part(*alike, row(11, true=False)))
+    assert text.splitlines()[-2:] == [
+        "- seeds 0-9, 12, 14-15: goal_unachievable: because of it",
+        "- seed 11: believed, but not true; best candidate sodaC, p = 0.950; sim1-11.mcap",
     ]
 
 

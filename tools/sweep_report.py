@@ -14,6 +14,7 @@ from skolem.tools.session import PARTS
 from skolem.tools.sweep_rows import Row
 
 CONFIDENCE = 0.95  # of the intervals
+MANY = 10  # failures that say the same and are told in one line
 COUNTS: tuple[tuple[str, Callable[[Row], float]], ...] = (
     ("actions", lambda row: row.actions),
     ("replans", lambda row: row.replans),
@@ -83,7 +84,7 @@ def section(part: Part) -> str:
     if ended:
         lines += [*_efforts(ended), "", _variety(rows), ""]
     failed = [row for row in rows if not row.succeeded]
-    lines += [*(_failure(row) for row in failed), *([""] if failed else [])]
+    lines += [*_failures(failed), *([""] if failed else [])]
     return "\n".join(lines)
 
 
@@ -160,10 +161,38 @@ def _variety(rows: Sequence[Row]) -> str:
     )
 
 
-def _failure(row: Row) -> str:
-    """Return why a run did not succeed, in one line."""
-    if row.believed:
-        why = f"believed of {row.anchor} at p = {row.goal_probability:.3f}, but not true"
-    else:
-        why = f"{row.status}: {' '.join(row.reason.split())}"
-    return f"- seed {row.seed}: {why}; {row.trace or 'no trace'}"
+def _failures(rows: Sequence[Row]) -> list[str]:
+    """Return why runs did not succeed: a line each, but one for many that say the same."""
+    said: dict[str, list[Row]] = {}
+    for row in rows:
+        said.setdefault(_why(row), []).append(row)
+    lines = []
+    for why, alike in said.items():
+        if len(alike) > MANY:
+            lines.append((alike[0].seed, f"- seeds {_ranges([row.seed for row in alike])}: {why}"))
+        else:
+            lines += [
+                (row.seed, f"- seed {row.seed}: {why}{_nearest(row)}; {row.trace or 'no trace'}") for row in alike
+            ]
+    return [text for _, text in sorted(lines)]
+
+
+def _why(row: Row) -> str:
+    """Return why a run did not succeed."""
+    return "believed, but not true" if row.believed else f"{row.status}: {' '.join(row.reason.split())}"
+
+
+def _nearest(row: Row) -> str:
+    """Return how near the robot thought it came."""
+    return f"; best candidate {row.anchor}, p = {row.goal_probability:.3f}" if row.anchor else ""
+
+
+def _ranges(seeds: Sequence[int]) -> str:
+    """Return ascending numbers with runs of neighbours drawn together: 0-3, 7, 9-10."""
+    ranges: list[list[int]] = []
+    for seed in seeds:
+        if ranges and seed == ranges[-1][-1] + 1:
+            ranges[-1][1:] = [seed]
+        else:
+            ranges.append([seed])
+    return ", ".join("-".join(map(str, ends)) for ends in ranges)
