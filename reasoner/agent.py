@@ -11,12 +11,24 @@ from skolem.reasoner.expressions import Goal
 from skolem.reasoner.goals import Closest, PosedGoal, read_mutexes
 from skolem.reasoner.hierarchy import Change, PlanStack
 from skolem.reasoner.instances import Instance, title
+from skolem.reasoner.memory import recalled, remembered
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.terms import Compound, Term, nll
+from skolem.reasoner.terms import Compound, Term, nll, parse_term
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import Action, Command, Decision, Limits, Plan, PlanCause, RunEnd, RunStatus
+from skolem.traces.messages import (
+    Action,
+    Command,
+    Decision,
+    Denotation,
+    Limits,
+    Memory,
+    Plan,
+    PlanCause,
+    RunEnd,
+    RunStatus,
+)
 
 
 @dataclass(slots=True)
@@ -24,6 +36,7 @@ class Turn:
     """What one decision wrote down, and its outcome: an action or the end of the run."""
 
     closest: Closest
+    denotation: Denotation
     plans: list[Plan] = field(default_factory=list)
     decisions: list[Decision] = field(default_factory=list)
     action: Action | None = None
@@ -53,6 +66,7 @@ class Agent:
         self._denotations = Denotations(goal.expressions, rulebook)
         self._mutexes = read_mutexes(rulebook)
         self._refused: dict[tuple[Term, int], Term] = {}  # (step, level) -> what it is called
+        self._objections: dict[Term, str] = {}  # step -> why the robot cannot do such a thing
         self._failures: Counter[Term] = Counter()
         self._executed: Step | None = None
         self._version = belief.version
@@ -64,7 +78,7 @@ class Agent:
             self._version, self._posed = self._belief.version, self._pose()
             self._refused.clear()
         self._count_failure()
-        turn = Turn(closest=self._posed.closest())
+        turn = Turn(closest=self._posed.closest(), denotation=self._denotation(step))
         if self._posed.achieved() is not None:
             self._finish(turn, step, "goal_achieved", "every conjunct of the goal is believed")
         elif step >= self._limits.steps:
@@ -73,9 +87,30 @@ class Agent:
             self._advance(turn, step)
         return turn
 
+    def memory(self, step: int) -> Memory:
+        """Return what is remembered from before; with the belief, all that the next decision depends on."""
+        layers, current = self._stack.steps()
+        return Memory(
+            step=step,
+            layers=tuple(tuple(map(remembered, layer)) for layer in layers),
+            current=current,
+            executed=None if self._executed is None else remembered(self._executed),
+            failures={str(name): count for name, count in sorted(self._failures.items(), key=str) if count},
+        )
+
+    def recall(self, memory: Memory) -> None:
+        """Take over what was remembered at a recorded decision, as `memory` returned it."""
+        self._stack = PlanStack([[recalled(step) for step in layer] for layer in memory.layers], memory.current)
+        self._executed = None if memory.executed is None else recalled(memory.executed)
+        self._failures = Counter({parse_term(name): count for name, count in memory.failures.items()})
+
     def _pose(self) -> PosedGoal:
         parts = (self._goal, self._rulebook, self._denotations, self._belief, self._geometry, self._mutexes)
         return PosedGoal(*parts)
+
+    def _denotation(self, step: int) -> Denotation:
+        tables = {name: dict(self._denotations.table(name, self._belief)) for name in self._goal.expressions}
+        return Denotation(step=step, probability=tables)
 
     # ------------------------------------------------------------ planning
 
@@ -120,6 +155,7 @@ class Agent:
             self._limits.expansions,
             nll(self._limits.min_plan_probability),
             final,
+            self._limits.optimal,
         )
         calls, atoms = self._posed.offers.calls - calls, self._posed.offers.ground_atoms - atoms
         turn.decisions.append(self._decision(step, roots, found, calls, atoms))
@@ -135,19 +171,26 @@ class Agent:
             candidates=found.candidates,
             plan=tuple(title(s.instance.called) for s in found.steps or ()),
             cost=min(found.cost, 50_000_000),
+            within=None if found.within is None else round(found.within, 6),
             expansions=found.expansions,
             clingo_calls=calls,
             ground_atoms=atoms,
         )
 
-    def _refuse(self, turn: Turn, step: int, current: Step) -> None:
+    def _refuse(self, turn: Turn, step: int, current: Step, *lacking: Term) -> None:
         """Note that a step cannot be refined or executed in this belief, and plan from the top without it."""
         self._refused[current.instance.step, current.level] = current.instance.called
         self._stack.clear()
-        turn.plans.append(self._stack.message(step, Change("refused", (current.instance.called,))))
+        turn.plans.append(self._stack.message(step, Change("refused", (current.instance.called, *lacking))))
 
     def _execute(self, turn: Turn, step: int, current: Step) -> None:
-        command = None if current.instance.executes is None else self._command(current.instance.executes)
+        executes = current.instance.executes
+        if executes is not None and (objection := self._posed.situation.objection(executes)) is not None:
+            lacking, self._objections[current.instance.step] = objection
+            self._failures[current.instance.step] = self._limits.repeats
+            self._refuse(turn, step, current, lacking)
+            return
+        command = None if executes is None else self._command(executes)
         if command is None or self._hopeless(current.instance):
             self._refuse(turn, step, current)
         else:
@@ -161,7 +204,10 @@ class Agent:
 
     def _hopeless(self, instance: Instance) -> bool:
         """Return whether an action failed so often that it is not tried again."""
-        return self._failures[instance.step] >= self._limits.repeats
+        return self._failed_often(instance.step)
+
+    def _failed_often(self, step: Term) -> bool:
+        return self._failures[step] >= self._limits.repeats
 
     def _count_failure(self) -> None:
         """Note whether the last action did what the plan took it for."""
@@ -187,9 +233,10 @@ class Agent:
         if self._refused:
             names = ", ".join(sorted({title(name) for name in self._refused.values()}))
             reason += f"; found impossible in the believed world: {names}"
-        often = sorted(str(step) for step, count in self._failures.items() if count >= self._limits.repeats)
+        reason += "".join(f"; {why}" for _, why in sorted(self._objections.items(), key=str))
+        often = [str(step) for step in self._failures if step not in self._objections and self._failed_often(step)]
         if often:
-            reason += f"; without success {self._limits.repeats} times: {', '.join(often)}"
+            reason += f"; without success {self._limits.repeats} times: {', '.join(sorted(often))}"
         if last.expansions >= self._limits.expansions:
             reason += f"; stopped after {last.expansions} expansions (limits.expansions)"
         self._finish(turn, step, "goal_unachievable", reason)

@@ -9,7 +9,7 @@ Den(lambda x. e, c) is P(c exists) times the value of e, and `exists y. e` is Or
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
 from itertools import product
 from typing import Final, Protocol
 
@@ -180,8 +180,14 @@ def _unpaired(pairs: Term) -> Iterable[Term]:
 def evaluate(circuit: Circuit, belief: GroundBeliefs, vocabulary: Vocabulary) -> dict[str, float]:
     """Return P(Den) of the description for every known anchor, in the belief's order."""
     beliefs = _Beliefs(belief, vocabulary)
-    values = _value(circuit.root, (circuit.variable,), beliefs) * beliefs.exist
-    return dict(zip(beliefs.anchors, map(float, values), strict=True))
+    values = _value(circuit.root, ((circuit.variable, beliefs.anchors),), beliefs)
+    return dict(zip(beliefs.anchors, map(float, values * beliefs.exist), strict=True))
+
+
+def evaluate_at(anchor: str, circuit: Circuit, belief: GroundBeliefs, vocabulary: Vocabulary) -> float:
+    """Return P(Den) of the description for one known anchor."""
+    value = _value(circuit.root, ((circuit.variable, (anchor,)),), _Beliefs(belief, vocabulary))
+    return float(value[0]) * belief.prob_exists(anchor)
 
 
 class _Beliefs:
@@ -192,7 +198,11 @@ class _Beliefs:
         self._memo: dict[tuple[str, tuple[Term, ...]], float] = {}
         self.anchors = belief.anchors()
         self._known = frozenset(self.anchors)
-        self.exist = np.array([belief.prob_exists(anchor) for anchor in self.anchors], dtype=np.float64)
+
+    @cached_property
+    def exist(self) -> NDArray[np.float64]:
+        """P(it exists) of each anchor."""
+        return np.array([self._belief.prob_exists(anchor) for anchor in self.anchors], dtype=np.float64)
 
     def ground(self, relation: str, args: tuple[Term, ...]) -> float:
         """Return b(R(c1, .., cn)); 0 if it is about an unknown anchor.
@@ -221,7 +231,10 @@ class _Beliefs:
         raise InternalError(f"{Compound(relation, args)} cannot be evaluated: no such relation of such arguments")
 
 
-def _value(node: Node, axes: tuple[Term, ...], beliefs: _Beliefs) -> NDArray[np.float64]:
+_Axes = tuple[tuple[Term, tuple[str, ...]], ...]  # variables, each with the anchors it ranges over
+
+
+def _value(node: Node, axes: _Axes, beliefs: _Beliefs) -> NDArray[np.float64]:
     """Return the value of a node, with one axis per variable in `axes`, of length 1 where it does not depend on it."""
     match node:
         case Leaf():
@@ -232,22 +245,24 @@ def _value(node: Node, axes: tuple[Term, ...], beliefs: _Beliefs) -> NDArray[np.
             a, b = _value(left, axes, beliefs), _value(right, axes, beliefs)
             return a + b - a * b
         case EitherOver(variable, inner):
-            some: NDArray[np.float64] = 1.0 - _value(inner, (*axes, variable), beliefs) * beliefs.exist
+            some: NDArray[np.float64] = (
+                1.0 - _value(inner, (*axes, (variable, beliefs.anchors)), beliefs) * beliefs.exist
+            )
             none: NDArray[np.float64] = np.prod(some, axis=-1)
             return 1.0 - none
 
 
-def _leaf(leaf: Leaf, axes: tuple[Term, ...], beliefs: _Beliefs) -> NDArray[np.float64]:
+def _leaf(leaf: Leaf, axes: _Axes, beliefs: _Beliefs) -> NDArray[np.float64]:
     """Return b(R(..)) for every choice of anchors for the variables of an atom."""
-    used = [variable for variable in axes if variable in leaf.args]
-    shape = tuple(len(beliefs.anchors) if variable in used else 1 for variable in axes)
+    used = [variable for variable, _ in axes if variable in leaf.args]
+    shape = tuple(len(anchors) if variable in used else 1 for variable, anchors in axes)
     places = [used.index(arg) if arg in used else None for arg in leaf.args]
     values = [
         beliefs.ground(
             leaf.relation,
             tuple(arg if i is None else chosen[i] for i, arg in zip(places, leaf.args, strict=True)),
         )
-        for chosen in product(beliefs.anchors, repeat=len(used))
+        for chosen in product(*(anchors for variable, anchors in axes if variable in used))
     ]
     return np.array(values, dtype=np.float64).reshape(shape)
 
@@ -355,7 +370,7 @@ class Denotations:
 
     def probability_of_new(self, expression: str, region: str, belief: OpenBeliefs) -> float:
         """Return P(Den) of an arbitrary object that nobody has met yet and that is in the region."""
-        return evaluate(self.circuits[expression], WithStranger(belief, region), self._vocabulary)[STRANGER]
+        return evaluate_at(STRANGER, self.circuits[expression], WithStranger(belief, region), self._vocabulary)
 
     def conjuncts(self, expression: str, anchor: str, belief: GroundBeliefs) -> dict[str, float]:
         """Return the probability of each property that the description turns on: the parts of an explanation."""

@@ -119,15 +119,17 @@ def _intervals(meaning: HsvVolume | WeightInterval, belief: Gaussian) -> list[tu
         high = math.log(meaning.below_kg) if meaning.below_kg is not None else far
         return [(low, high, meaning.at_least_kg <= 0, meaning.below_kg is None)]
     hue_low, hue_high = meaning.hue
-    hue = (hue_low, hue_high if hue_high >= hue_low else hue_high + 1.0, False, False)
+    any_hue = hue_high - hue_low >= 1.0
+    hue = (hue_low, hue_high if hue_high >= hue_low else hue_high + 1.0, any_hue, any_hue)
     return [hue, *((low, high, low <= 0, high >= 1) for low, high in (meaning.saturation, meaning.value))]
 
 
 def before_reading(p: float, right: float) -> float:
     """Return the belief needed before a discrete reading that is right with probability `right`, to believe p after.
 
-    Never below .2 nor more than .2 below p: one reading is not trusted to turn the belief around.
+    Never more than .2 below p: one reading is not trusted to turn the belief around, several are. However unlikely the
+    value is now, some number of readings gets there; what speaks against trying is the price of the prior.
     """
     wrong = 1 - right
     needed = p * wrong / (p * wrong + (1 - p) * right) if p < 1 else 1.0
-    return max(0.2, needed, p - 0.2)
+    return max(needed, p - 0.2)

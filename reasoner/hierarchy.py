@@ -6,7 +6,7 @@ every observation the stack is walked from the top: the last step whose pre-imag
 not apply any more are popped.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from skolem.reasoner.instances import Instance, title
@@ -29,12 +29,17 @@ class Change:
 class PlanStack:
     """Layers of steps in execution order, and the step chosen in each."""
 
-    def __init__(self) -> None:
-        self._layers: list[list[Step]] = []
-        self._chosen: list[int] = []
+    def __init__(self, layers: Sequence[Sequence[Step]] = (), chosen: Sequence[int] = ()) -> None:
+        """Begin with layers as `steps` returns them; by default with none."""
+        self._layers: list[list[Step]] = [list(layer) for layer in layers]
+        self._chosen: list[int] = list(chosen)
 
     def __len__(self) -> int:
         return len(self._layers)
+
+    def steps(self) -> tuple[tuple[tuple[Step, ...], ...], tuple[int, ...]]:
+        """Return every layer, top first, and the index of the step chosen in each."""
+        return tuple(map(tuple, self._layers)), tuple(self._chosen)
 
     def push(self, steps: Iterable[Step]) -> None:
         """Add a plan for the step chosen last; its first step is chosen."""
@@ -125,7 +130,7 @@ class PlanStack:
             step=step,
             cause=change.cause,
             false_fluents=tuple(map(str, change.false_fluents)),
-            layers=tuple(tuple(map(_plan_step, layer)) for layer in self._layers),
+            layers=tuple(tuple(map(plan_step, layer)) for layer in self._layers),
             current=tuple(self._chosen),
         )
 
@@ -148,7 +153,8 @@ def _bound(step: Step, binding: Binding) -> Step:
     )
 
 
-def _plan_step(step: Step) -> PlanStep:
+def plan_step(step: Step) -> PlanStep:
+    """Return a step as the trace shows it."""
     return PlanStep(
         op=title(step.instance.called),
         level=step.level,

@@ -1,4 +1,4 @@
-"""What the rules offer in one belief: one clingo call per fluent asked for, kept as long as the belief lasts."""
+"""What the rules offer in one belief: each fluent is asked about once, several of them in one clingo call."""
 
 from collections.abc import Iterable, Mapping
 from typing import Final
@@ -6,7 +6,7 @@ from typing import Final
 from skolem.reasoner.instances import Instance, read_instances
 from skolem.reasoner.patterns import Mutexes
 from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook import Answers, Asked, Rulebook
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import Term, compound
 
@@ -24,7 +24,7 @@ class RuleOffers:
     def __init__(self, rulebook: Rulebook, situation: Situation, queries: Queries, mutexes: Mutexes) -> None:
         self._rulebook = rulebook
         self._situation = situation
-        self._queries = queries
+        self._asked = Asked(queries)
         self.mutexes = mutexes
         self._memo: dict[Term, tuple[Instance, ...]] = {}
         self._files = [name.removesuffix(".lp") for name in rulebook.files if name not in _OF_NO_USE]
@@ -33,9 +33,16 @@ class RuleOffers:
 
     def offers(self, fluent: Term) -> tuple[Instance, ...]:
         """Return every instance that achieves the fluent."""
-        if fluent not in self._memo:
-            self._memo[fluent] = read_instances(self.ask([compound("goal", fluent)]))
+        self.prepare([fluent])
         return self._memo[fluent]
+
+    def prepare(self, fluents: Iterable[Term]) -> None:
+        """Ask about fluents together, as far as their instances are not known yet."""
+        new = [fluent for fluent in dict.fromkeys(fluents) if fluent not in self._memo]
+        if new:
+            answers = self._solve([(compound("goal", fluent),) for fluent in new])
+            for fluent, atoms in zip(new, answers.atoms, strict=True):
+                self._memo[fluent] = read_instances(atoms)
 
     def holds(self, fluent: Term) -> bool:
         """Return whether the fluent is true now."""
@@ -43,7 +50,10 @@ class RuleOffers:
 
     def ask(self, facts: Iterable[Term]) -> Mapping[str, list[tuple[Term, ...]]]:
         """Return the shown atoms of the rules over `facts`."""
-        answer = self._rulebook.solve(facts, self._queries, self._files)
-        self.calls += 1
-        self.ground_atoms += answer.ground_atoms
-        return answer.atoms
+        return self._solve([tuple(facts)]).atoms[0]
+
+    def _solve(self, questions: list[tuple[Term, ...]]) -> Answers:
+        answers = self._rulebook.solve_each(questions, self._asked, self._files)
+        self.calls += answers.asked
+        self.ground_atoms += answers.ground_atoms
+        return answers

@@ -5,6 +5,7 @@ that differs from the one `same(X)` matched.
 """
 
 from collections.abc import Iterable, Mapping
+from itertools import product
 
 from skolem.reasoner.terms import ANY, Compound, Term
 
@@ -13,10 +14,12 @@ _AT_MOST = {"b": (1,), "bn": (2, 3, 4)}  # arguments in which a smaller value de
 
 def entails(fluent: Term, wanted: Term) -> bool:
     """Return whether `fluent` makes `wanted` true: equal, or a belief at least as strong about the same thing."""
+    if not isinstance(fluent, Compound) or not isinstance(wanted, Compound):
+        return fluent == wanted
+    if fluent.name != wanted.name:
+        return False
     if fluent == wanted:
         return True
-    if not isinstance(fluent, Compound) or not isinstance(wanted, Compound) or fluent.name != wanted.name:
-        return False
     bounds = _AT_MOST.get(fluent.name)
     if bounds is None or len(fluent.args) != len(wanted.args):
         return False
@@ -41,15 +44,28 @@ class Mutexes:
     """The exclusions of `mutex.lp`, asked for pairs of ground fluents."""
 
     def __init__(self, pairs: Iterable[tuple[Term, Term]]) -> None:
-        self._pairs = tuple(pairs)
+        self._pairs: dict[tuple[str, str], list[tuple[Term, Term]]] = {}  # by the names of their fluents
+        for f, g in pairs:
+            self._pairs.setdefault((_name(f), _name(g)), []).append((f, g))
         self._memo: dict[tuple[Term, Term], bool] = {}
 
     def exclude(self, fluent: Term, other: Term) -> bool:
         """Return whether both fluents can never hold together."""
         key = (fluent, other)
         if key not in self._memo:
-            self._memo[key] = any(_both(f, g, fluent, other) or _both(f, g, other, fluent) for f, g in self._pairs)
+            self._memo[key] = self._one_way(fluent, other) or self._one_way(other, fluent)
         return self._memo[key]
+
+    def _one_way(self, fluent: Term, other: Term) -> bool:
+        names = product((_name(fluent), ANY), (_name(other), ANY))
+        return any(_both(f, g, fluent, other) for key in names for f, g in self._pairs.get(key, ()))
+
+
+def _name(fluent: Term) -> str:
+    """Return what a fluent is called, to try only patterns of that name; `any` for a pattern that fits several."""
+    if not isinstance(fluent, Compound):
+        return str(fluent)
+    return ANY if fluent.name in ("same", "other") else fluent.name
 
 
 def _both(pattern: Term, pattern2: Term, fluent: Term, fluent2: Term) -> bool:

@@ -6,6 +6,7 @@ integer micro-nats, no answer is an empty list.
 
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Final
 
 from skolem.reasoner import gaussians
@@ -14,7 +15,6 @@ from skolem.reasoner.terms import Compound, Term, nll, prob
 from skolem.traces.messages import TypeIs
 
 _IMPLAUSIBLE: Final = 6_907_755  # micro-nats, p = .001: anchors less likely than this are not worth an examination
-_MOST_ANCHORS: Final = 8
 _REPEATED: Final = 0.5
 
 Alternatives = Mapping[str, tuple[tuple[str, ...], ...]]  # expression -> sets of properties, each enough for it
@@ -26,6 +26,7 @@ class Queries:
     def __init__(self, situation: Situation, alternatives: Alternatives) -> None:
         self._now = situation
         self._alternatives = alternatives
+        self._known = frozenset(situation.anchors())
 
     def anchors(self) -> list[Term]:
         """Every anchor believed to exist."""
@@ -33,12 +34,12 @@ class Queries:
 
     def rigid(self, obj: Term) -> Term:
         """1 if the term is an anchor, a rigid designator, else 0."""
-        return int(obj in self._now.anchors())
+        return int(obj in self._known)
 
     def plausible(self, expression: str) -> list[Term]:
         """The anchors that the description may denote, likeliest first."""
         priced = [(nll(self._den(expression, a)), i, a) for i, a in enumerate(self._now.anchors())]
-        return [a for cost, _, a in sorted(priced)[:_MOST_ANCHORS] if cost <= _IMPLAUSIBLE]
+        return [a for cost, _, a in sorted(priced) if cost <= _IMPLAUSIBLE]
 
     def present(self, expression: str, anchor: str) -> Term:
         """-ln P_p: how likely the description denotes the anchor now."""
@@ -68,8 +69,12 @@ class Queries:
 
     def portion(self, expression: str, props: Compound, anchor: str, p: int) -> Term:
         """The part of the bound that falls to `props`: an even share for each property of the set it comes from."""
-        sizes = [len(words) for words in self._alternatives[expression] if set(props.args) <= set(words)]
-        return p * len(props.args) // max(sizes)
+        return p * len(props.args) // len(self._set_of(expression, props))
+
+    def settled(self, expression: str, props: Compound) -> list[Term]:
+        """The properties of the set that `props` comes from which are believed enough now, if there are any."""
+        rest = tuple(word for word in self._set_of(expression, props) if word not in props.args)
+        return [Compound("", rest)] if rest else []
 
     def doubt(self, anchor: str) -> Term:
         """-ln P(there is such an object)."""
@@ -132,11 +137,20 @@ class Queries:
     def support_of(self, anchor: str) -> list[Term]:
         """What the anchor rests on, if that is an anchor."""
         support = self._now.belief.support(anchor)
-        return [support] if support in self._now.anchors() else []
+        return [support] if support in self._known else []
 
     def standing_on(self, support: Term) -> list[Term]:
         """The anchors that rest on another one."""
-        return [a for a in self._now.anchors() if self._now.belief.support(a) == support]
+        return list(self._standing_on.get(support, ()))
+
+    @cached_property
+    def _standing_on(self) -> dict[Term, list[str]]:
+        found: dict[Term, list[str]] = {}
+        for anchor in self._now.anchors():
+            on = self._now.belief.support(anchor)
+            if on is not None:
+                found.setdefault(on, []).append(anchor)
+        return found
 
     def distance(self, anchor: str) -> Term:
         """From the base to the anchor, millimetres."""
@@ -147,6 +161,10 @@ class Queries:
         """1 if a look tells the object's yaw, 0 if it cannot, as for a cylinder."""
         sd = math.sqrt(float(self._now.belief.observation_covariance("pose", anchor)[2, 2]))
         return int(sd < math.pi / 4)
+
+    def _set_of(self, expression: str, props: Compound) -> tuple[str, ...]:
+        """Return the largest set of properties that suffices and contains `props`."""
+        return max((words for words in self._alternatives[expression] if set(props.args) <= set(words)), key=len)
 
     def _den(self, expression: str, anchor: str) -> float:
         return self._now.probability(Compound("den", (expression, anchor)))

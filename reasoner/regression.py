@@ -21,6 +21,7 @@ from skolem.reasoner.terms import Term, matches
 from skolem.traces.messages import Candidate
 
 _HOPELESS = 18_420_681  # micro-nats: p = 1e-8
+_PER_ROOT = 10  # expansions that each root may take at least: of many objects none is left out for lack of them
 
 Subgoal = frozenset[Term]
 
@@ -35,6 +36,10 @@ class Offers(Protocol):
 
     def offers(self, fluent: Term) -> tuple[Instance, ...]:
         """Every instance that achieves the fluent, rejected ones too."""
+        ...
+
+    def prepare(self, fluents: Iterable[Term]) -> None:
+        """Take notice that the offers for these fluents will be asked for: together they are found faster."""
         ...
 
     def holds(self, fluent: Term) -> bool:
@@ -64,6 +69,7 @@ class Found:
     Attributes:
         steps: In execution order; None if there is no plan.
         cost: Of the plan, micro-nats.
+        bound: What every plan costs at least, micro-nats; equal to `cost` if no plan is likelier than this one.
         expansions: Nodes expanded.
         candidates: What was offered or rejected when the roots were expanded.
         exhausted: False if the search stopped at its limit of expansions.
@@ -74,6 +80,14 @@ class Found:
     expansions: int
     candidates: tuple[Candidate, ...]
     exhausted: bool = True
+    bound: int = 0
+
+    @property
+    def within(self) -> float | None:
+        """The factor of the cheapest plan's cost that this plan costs at most; 1: optimal; None: nothing is known."""
+        if self.steps is None or self.bound == 0 < self.cost:
+            return None
+        return 1.0 if self.cost == self.bound else self.cost / self.bound
 
 
 _Entry = tuple[int, int, int, int, Subgoal, tuple[Step, ...]]  # cost, risk, length, order; subgoal, steps after it
@@ -87,23 +101,26 @@ def regress(
     max_expansions: int,
     max_cost: int,
     final: Term | None = None,
+    optimal: bool = False,
 ) -> Found:
     """Return the cheapest plan that makes all fluents of one of `roots` true.
 
-    Steps achieve fluents that are false now; only if there is no such plan, steps that achieve again what an earlier
-    one destroyed are tried too.
+    Steps achieve fluents that are false now; only if there is no such plan, or if the optimum is asked for, steps that
+    achieve again what an earlier one destroyed are tried too. Without them a plan may miss the optimum; by how much at
+    most is told by `Found.within`.
 
     Args:
         roots: Conjunctions of ground fluents, best first where costs are equal.
         offers: Rule instances and the truth of fluents now.
         level_of: The abstraction level at which an instance is to be used.
         refused: Whether an instance at a level has failed to be refined or executed in this belief.
-        max_expansions: Nodes to expand before giving up.
+        max_expansions: Nodes to expand before giving up; with very many roots, ten for each.
         max_cost: Plans dearer than this are not worth trying, micro-nats.
         final: The operation the plan must end with; None for any.
+        optimal: Whether no plan at all may be cheaper, at the price of more expansions.
     """
-    found = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=False)
-    if found.steps is None and found.exhausted:
+    found = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=optimal)
+    if found.steps is None and found.exhausted and not optimal:
         second = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=True)
         found = replace(second, expansions=found.expansions + second.expansions)
     return found
@@ -119,29 +136,46 @@ def search(
     final: Term | None,
     again: bool,
 ) -> Found:
-    """Return the cheapest plan as `regress` does; `again` says whether fluents that hold now may be achieved again."""
+    """Return the cheapest plan as `regress` does; `again` says whether fluents that hold now may be achieved again.
+
+    Optimality. Nodes leave the queue in the order of their cost plus a heuristic that is 0 everywhere. That is
+    admissible: no step costs less than nothing, so that what is still to be paid is never overestimated. (More is not
+    known of all rules: a step may achieve by the way, at any price, a fluent that it was not offered for.) So the first
+    node whose fluents all hold is the cheapest plan of those that were searched.
+
+    The bound. A plan that was not searched has, seen from the goal, a first step that achieves again what holds. If the
+    node at which it does so was expanded, the step was passed over there, and the plan costs at least as much as this
+    step and all after it. If that node was still in the queue, all after it cost at least as much as the plan found.
+    """
     serial = itertools.count()
+    left_out = max_cost + 1  # the least cost at which a step that achieves again what holds was passed over
     queue: list[_Entry] = [(0, 0, 0, next(serial), root, ()) for root in roots]
     considered: dict[str, Candidate] = {}
     seen: set[Subgoal] = set()
+    offers.prepare(sorted({f for root in roots for f in root if not offers.holds(f)}, key=str))
     while queue:
         cost, risk, length, _, goal, steps = heapq.heappop(queue)
         if goal in seen:
             continue
         open_fluents = [f for f in sorted(goal, key=str) if not offers.holds(f)]
         if not open_fluents:
-            return Found(steps, cost, len(seen), _sorted(considered))
-        if len(seen) >= max_expansions:
+            return Found(steps, cost, len(seen), _sorted(considered), bound=min(cost, left_out))
+        if len(seen) >= max(max_expansions, _PER_ROOT * len(roots)):
             return Found(None, 0, len(seen), _sorted(considered), exhausted=False)
         seen.add(goal)
-        for instance in _achievers(open_fluents, goal, offers, again):
+        for instance, repeats in _achievers(open_fluents, goal, offers):
             if length == 0 and final is not None and instance.called != final:
+                continue
+            total = cost + instance.price
+            if repeats and not again and total >= left_out:
                 continue
             level = min(level_of(instance), instance.concrete)
             before, reason = _regressed(instance, level, goal, offers.mutexes)
             if reason is None and refused(instance, level):
                 reason = "refused_in_this_belief"
-            total = cost + instance.price
+            if repeats and not again:
+                left_out = total if reason is None else left_out
+                continue
             if reason is None and total > max_cost:
                 reason = "too_unlikely"
             if length == 0:
@@ -157,21 +191,25 @@ def _sorted(considered: dict[str, Candidate]) -> tuple[Candidate, ...]:
     return tuple(sorted(considered.values(), key=lambda c: (c.cost, c.op)))
 
 
-def _achievers(open_fluents: Sequence[Term], goal: Subgoal, offers: Offers, again: bool) -> list[Instance]:
-    """Return the instances to expand, cheapest first; only those of one fluent if they are immediate."""
+def _achievers(open_fluents: Sequence[Term], goal: Subgoal, offers: Offers) -> list[tuple[Instance, bool]]:
+    """Return the instances to expand, cheapest first, and whether each achieves nothing but what holds already.
+
+    If those of one open fluent are immediate, only they are returned: what an inference needs and gives does not change
+    with its place in the plan, so that it may as well be the last step.
+    """
+    offers.prepare(open_fluents)
     for fluent in open_fluents:
         immediate = [i for i in offers.offers(fluent) if i.immediate]
         if immediate:
-            return immediate
-    merged: dict[Term, Instance] = {}
-    for fluent in sorted(goal, key=str) if again else open_fluents:
-        for instance in offers.offers(fluent):
-            merged[instance.step] = merged[instance.step].merged(instance) if instance.step in merged else instance
-    for fluent in [] if again else sorted(goal.difference(open_fluents), key=str):
-        for instance in offers.offers(fluent):
-            if instance.step in merged:
-                merged[instance.step] = merged[instance.step].merged(instance)
-    return sorted(merged.values(), key=lambda i: (i.price, str(i.step)))
+            return [(i, False) for i in immediate]
+    offers.prepare(sorted(goal, key=str))
+    merged: dict[Term, tuple[Instance, bool]] = {}
+    for fluents, repeats in ((open_fluents, False), (sorted(goal.difference(open_fluents), key=str), True)):
+        for fluent in fluents:
+            for instance in offers.offers(fluent):
+                known = merged.get(instance.step)
+                merged[instance.step] = (instance, repeats) if known is None else (known[0].merged(instance), known[1])
+    return sorted(merged.values(), key=lambda found: (found[0].price, str(found[0].step)))
 
 
 def _regressed(instance: Instance, level: int, goal: Subgoal, mutexes: Mutexes) -> tuple[Subgoal, str | None]:

@@ -4,15 +4,16 @@ import hashlib
 import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import clingo
 from clingo import ast
 from clingo.ast import AST, ASTType
 
+from skolem.reasoner.questions import CLINGO_OPTIONS, Question, Questions
 from skolem.reasoner.terms import Compound, Term, from_symbol, to_symbol
 from skolem.reasoner.validate import INPUT, RuleFile, check, explain, parse, signatures
 from skolem.reasoner.vocabulary import WORD_FACTS, Place, Vocabulary, read_vocabulary
@@ -33,8 +34,8 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "mutex",  # what may not hold together
     "regress",  # what one regression step hands over
 )
-# One thread, a fixed seed, every message; two models are asked for to notice a second one.
-CLINGO_OPTIONS: Final = ("--parallel-mode=1", "--seed=1", "--warn=all", "--models=2")
+
+Symbols = clingo.Symbol | list[clingo.Symbol]  # a query's answer, to clingo
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,21 @@ class Answer:
 
     atoms: dict[str, list[tuple[Term, ...]]]
     ground_atoms: int
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """What follows from each of several questions.
+
+    Attributes:
+        atoms: Per question its shown atoms, as in `Answer`.
+        ground_atoms: Number of atoms in the ground program for all of them.
+        asked: Whether clingo was called: it is not if no rule can fire.
+    """
+
+    atoms: list[dict[str, list[tuple[Term, ...]]]]
+    ground_atoms: int
+    asked: bool
 
 
 @dataclass(frozen=True)
@@ -65,32 +81,52 @@ class Rulebook:
     warnings: tuple[Fault, ...]
     _statements: Mapping[str, Sequence[AST]] = field(repr=False)
     _sources: Sequence[RuleFile] = field(repr=False)
-    _terms: dict[str, tuple[str, tuple[Term, ...]]] = field(default_factory=dict, repr=False)  # memo, by text
+    _ready: dict[tuple[str, ...], Questions] = field(default_factory=dict, repr=False)  # by the names of their files
 
     @classmethod
-    def load(cls, queries_type: type, extra: Sequence[Path] = ()) -> "Rulebook":
+    def load(cls, queries_type: type, extra: Sequence[Path] = (), folder: Path | None = None) -> "Rulebook":
         """Return the rules that ship with the product and those of the user.
 
         Args:
             queries_type: The class whose public methods rules may call as @functions.
             extra: A user's own rule files.
+            folder: Holds every file of `RULE_FILES`, to be used instead of those that ship; None for those.
 
         Raises:
             InputError: With every fault in every file.
         """
         with ExitStack() as stack:
-            folder = resources.files("skolem.rules")
-            paths = [stack.enter_context(resources.as_file(folder / f"{name}.lp")) for name in RULE_FILES]
-            shipped = [RuleFile(p.stem, f"rules/{p.name}", str(p), p.read_bytes(), own=False) for p in paths]
-            sources = [*shipped, *_own_files(extra, {file.name for file in shipped})]
-            parsed = [(file, *parse(file)) for file in sources]
+            if folder is None:
+                place = resources.files("skolem.rules")
+                paths = [stack.enter_context(resources.as_file(place / f"{name}.lp")) for name in RULE_FILES]
+                shipped = [RuleFile(p.stem, f"rules/{p.name}", str(p), p.read_bytes(), own=False) for p in paths]
+            else:
+                paths = [folder / f"{name}.lp" for name in RULE_FILES]
+                shipped = [replace(file, own=False) for file in _own_files(paths, set())]
+        return cls.of(queries_type, [*shipped, *_own_files(extra, {file.name for file in shipped})])
+
+    @classmethod
+    def of(cls, queries_type: type, sources: Sequence[RuleFile]) -> "Rulebook":
+        """Return the rules in files that were read already, in the order in which they are to be loaded.
+
+        Raises:
+            InputError: With every fault in every file.
+        """
+        parsed = [(file, *parse(file)) for file in sources]
         _raise(fault for _, _, faults in parsed for fault in faults)
         statements = {file.name: found for file, found, _ in parsed}
         _raise(check([(file, statements[file.name]) for file in sources], queries_type))
         vocabulary, warnings = _vocabulary(sources, statements)
         book = cls(vocabulary, {f"{f.name}.lp": f.content for f in sources}, tuple(warnings), statements, sources)
-        weakref.finalize(book, statements.clear)  # at exit, syntax trees must be gone before clingo's library is
+        weakref.finalize(
+            book, _clear, statements, book._ready
+        )  # at exit, syntax trees must be gone before clingo's library is
         return book
+
+    @property
+    def sources(self) -> tuple[tuple[RuleFile, Sequence[AST]], ...]:
+        """Every rule file with its statements, in the order in which they are loaded."""
+        return tuple((file, self._statements[file.name]) for file in self._sources)
 
     @property
     def sha256(self) -> dict[str, str]:
@@ -108,53 +144,74 @@ class Rulebook:
         Raises:
             InternalError: If clingo has anything to say, a query fails, or there is not exactly one answer set.
         """
+        answers = self.solve_each([tuple(facts)], Asked(queries), files)
+        return Answer(answers.atoms[0], answers.ground_atoms)
+
+    def solve_each(
+        self, questions: Sequence[Question], asked: "Asked", files: Sequence[str] | None = None
+    ) -> "Answers":
+        """Return what follows from each of some sets of facts, as if it were alone, from one call of clingo.
+
+        Args:
+            questions: Sets of facts, as for `solve`.
+            asked: Answers the @functions.
+            files: Names of the rule files to use, without `.lp`; None for all.
+
+        Raises:
+            InternalError: As `solve`.
+        """
         unknown = [name for name in files or () if name not in self._statements]
         if unknown:
             raise InternalError(f"no rule file {unknown[0]!r}; there are: {', '.join(self._statements)}")
-        names = list(self._statements) if files is None else files
-        messages: list[str] = []
-        control = _ground(
-            [statement for name in names for statement in self._statements[name]],
-            sorted(facts, key=str),
-            _Context(queries),
-            messages,
-        )
-        models: list[list[clingo.Symbol]] = []
-        control.solve(on_model=lambda model: models.append(list(model.symbols(shown=True))))
-        if messages:
-            raise InternalError("\n".join(str(fault) for fault in explain(messages, self._sources)))
-        if len(models) != 1:
-            raise InternalError(f"the rules {', '.join(names)} have {len(models) or 'no'} answer sets instead of one")
-        return Answer(self._by_predicate(models[0]), len(control.symbolic_atoms))
-
-    def _by_predicate(self, symbols: Iterable[clingo.Symbol]) -> dict[str, list[tuple[Term, ...]]]:
-        found: dict[str, list[tuple[Term, ...]]] = {}
-        for text, symbol in sorted((str(symbol), symbol) for symbol in symbols):
-            if text not in self._terms:
-                term = from_symbol(symbol)
-                self._terms[text] = (term.name, term.args) if isinstance(term, Compound) else (text, ())
-            name, args = self._terms[text]
-            found.setdefault(name, []).append(args)
-        return found
+        names = tuple(self._statements if files is None else files)
+        if names not in self._ready:
+            self._ready[names] = Questions([statement for name in names for statement in self._statements[name]])
+        solved = self._ready[names].solve(questions, asked)
+        if solved.messages:
+            raise InternalError("\n".join(str(fault) for fault in explain(solved.messages, self._sources)))
+        if solved.models != 1:
+            raise InternalError(f"the rules {', '.join(names)} have {solved.models or 'no'} answer sets instead of one")
+        return Answers([_by_predicate(shown) for shown in solved.shown], solved.ground_atoms, solved.asked)
 
 
-class _Context:
-    """Passes @function calls on to a queries object, in terms."""
+def _by_predicate(shown: Iterable[Term]) -> dict[str, list[tuple[Term, ...]]]:
+    found: dict[str, list[tuple[Term, ...]]] = {}
+    for term in sorted(shown, key=str):
+        name, args = (term.name, term.args) if isinstance(term, Compound) else (str(term), ())
+        found.setdefault(name, []).append(args)
+    return found
+
+
+class Asked:
+    """Answers the @functions of the rules from a queries object, each question only once."""
 
     def __init__(self, queries: object) -> None:
         self._queries = queries
+        self._memo: dict[tuple[str, tuple[clingo.Symbol, ...]], Symbols] = {}
+        self._terms: dict[clingo.Symbol, Term] = {}
 
-    def __getattr__(self, name: str) -> Callable[..., clingo.Symbol | list[clingo.Symbol]]:
-        def call(*symbols: clingo.Symbol) -> clingo.Symbol | list[clingo.Symbol]:
-            try:
-                arguments = [from_symbol(symbol) for symbol in symbols]
-                found: Term | list[Term] = getattr(self._queries, name)(*arguments)
-                return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
-            except Exception as error:
-                text = f"@{name}({', '.join(map(str, symbols))})"
-                raise InternalError(f"query {text} failed: {type(error).__name__}: {error}") from error
+    def __getattr__(self, name: str) -> Callable[..., Symbols]:
+        def ask(*symbols: clingo.Symbol) -> Symbols:
+            if (name, symbols) not in self._memo:
+                self._memo[name, symbols] = self._answer(name, symbols)
+            return self._memo[name, symbols]
 
-        return call
+        return ask
+
+    def _answer(self, name: str, symbols: Sequence[clingo.Symbol]) -> Symbols:
+        try:
+            found: Term | list[Term] = getattr(self._queries, name)(
+                *(from_symbol(symbol, self._terms) for symbol in symbols)
+            )
+            return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
+        except Exception as error:
+            text = f"@{name}({', '.join(map(str, symbols))})"
+            raise InternalError(f"query {text} failed: {type(error).__name__}: {error}") from error
+
+
+def _clear(*kept: dict[Any, Any]) -> None:
+    for each in kept:
+        each.clear()
 
 
 class _NoAnswers:
@@ -164,20 +221,15 @@ class _NoAnswers:
         return lambda *_: []
 
 
-def _ground(statements: Iterable[AST], facts: Sequence[Term], context: object, messages: list[str]) -> clingo.Control:
-    """Return a grounded control; clingo's words are appended to `messages`.
-
-    Raises:
-        InternalError: If a query fails.
-    """
+def _facts_alone(statements: Iterable[AST], messages: list[str]) -> clingo.Control:
+    """Return the rules grounded without any question; clingo's words are appended to `messages`."""
     control = clingo.Control(list(CLINGO_OPTIONS), logger=lambda _code, text: messages.append(text), message_limit=100)
-    inputs = "".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT))
     with ast.ProgramBuilder(control) as builder:
         for statement in statements:
             builder.add(statement)
-        ast.parse_string(inputs + "".join(f"{fact}. " for fact in facts), builder.add)
+        ast.parse_string("".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT)), builder.add)
     try:
-        control.ground([("base", [])], context=context)
+        control.ground([("base", [])], context=_NoAnswers())
     except RuntimeError as error:
         if not messages:
             raise InternalError(f"clingo stopped: {error}") from error
@@ -205,7 +257,7 @@ def _own_files(paths: Sequence[Path], taken: set[str]) -> list[RuleFile]:
 def _vocabulary(sources: Sequence[RuleFile], statements: Mapping[str, Sequence[AST]]) -> tuple[Vocabulary, list[Fault]]:
     """Return the words that the rules define without a goal, and warnings."""
     messages: list[str] = []
-    control = _ground([s for file in sources for s in statements[file.name]], (), _NoAnswers(), messages)
+    control = _facts_alone([s for file in sources for s in statements[file.name]], messages)
     _raise(explain(messages, sources))
     places = _places(sources, statements)
     facts = []

@@ -8,11 +8,12 @@ from collections.abc import Callable, Mapping
 from skolem.reasoner import gaussians
 from skolem.reasoner.patterns import mentions
 from skolem.reasoner.protocols import Activity, BeliefQueries, Geometry
-from skolem.reasoner.terms import ANY, Compound, Term, nll
+from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import HANDS, Hand, Meaning, Quantity
 
 _ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
+_SENSING_HAND: Hand = "right"  # the only wrist with a force-torque sensor
 QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")
 Denotation = Callable[[str, str], float]  # (expression constant, anchor) -> P(Den)
 Stranger = Callable[[str, str], float]  # (expression constant, region) -> P(an arbitrary object there is what is meant)
@@ -145,6 +146,18 @@ class Situation:
     def hand_of(self, anchor: str) -> Hand | None:
         """Return the hand that holds the anchor."""
         return next((hand for hand in HANDS if self.belief.held(hand) == anchor), None)
+
+    def objection(self, executes: Term) -> tuple[Term, str] | None:
+        """Return what a command lacks that no planning can give it as things are held, and the same in words."""
+        match executes:
+            case Compound("weigh", (str(anchor),)) if self.hand_of(anchor) not in (None, _SENSING_HAND):
+                lacking = compound("held", _SENSING_HAND, anchor)
+                return lacking, (
+                    f"{executes} was asked for with {anchor} in the {self.hand_of(anchor)} hand, but only the "
+                    f"{_SENSING_HAND} wrist has a force-torque sensor: a rule that executes weigh(O) must demand "
+                    f"held({_SENSING_HAND}, O)"
+                )
+        return None
 
     def activity(self, term: Term) -> Activity | None:
         """Return what a term such as `pick(right, o)` asks of the geometry; None if it cannot be as things are.

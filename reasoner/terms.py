@@ -80,19 +80,31 @@ def to_symbol(term: Term) -> clingo.Symbol:
     return clingo.Function(term.name, [to_symbol(argument) for argument in term.args])
 
 
-def from_symbol(symbol: clingo.Symbol) -> Term:
+def from_symbol(symbol: clingo.Symbol, memo: dict[clingo.Symbol, Term] | None = None) -> Term:
     """Return the term of a clingo symbol.
+
+    Args:
+        symbol: What the rules made.
+        memo: Where terms of symbols read before are kept, if they are.
 
     Raises:
         ValueError: For strings, `#inf`, `#sup` and classically negated functions, which the rules do not use.
     """
+    if memo is None:
+        return _from_symbol(symbol, {})
+    if symbol not in memo:
+        memo[symbol] = _from_symbol(symbol, memo)
+    return memo[symbol]
+
+
+def _from_symbol(symbol: clingo.Symbol, memo: dict[clingo.Symbol, Term]) -> Term:
     if symbol.type is clingo.SymbolType.Number:
         return symbol.number
     if symbol.type is not clingo.SymbolType.Function or not symbol.positive:
         raise ValueError(f"{symbol} is not a term of the rules: expected an integer, a constant, f(..) or a tuple")
     if symbol.name and not symbol.arguments:
         return symbol.name
-    return Compound(symbol.name, tuple(from_symbol(argument) for argument in symbol.arguments))
+    return Compound(symbol.name, tuple(from_symbol(argument, memo) for argument in symbol.arguments))
 
 
 def parse_term(text: str) -> Term:

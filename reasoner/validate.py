@@ -5,8 +5,9 @@ or an aggregate. What comes in and goes out is named; whatever else is used must
 """
 
 import inspect
+import operator
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, Final
@@ -24,6 +25,7 @@ INPUT: Final[frozenset[Signature]] = frozenset(
 )  # given as facts
 OUTPUT: Final[frozenset[Signature]] = frozenset(WORD_FACTS.items())  # read without `#show`
 MAX_BYTES: Final = 200_000
+GREATEST: Final = 2**31 - 1  # clingo counts in 32 bits and wraps without a word
 
 _ALLOWED: Final = frozenset(
     {ASTType.Rule, ASTType.Comment, ASTType.ShowSignature, ASTType.ShowTerm, ASTType.Defined, ASTType.Definition}
@@ -39,7 +41,14 @@ _NAMES: Final = {
     ASTType.ProjectAtom: "#project",
     ASTType.ProjectSignature: "#project",
 }
-_SKIPPED_OR_INCLUDE: Final = re.compile(r'%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\])*"|#include\b', re.DOTALL)
+_SKIPPED_OR_TOKEN: Final = re.compile(
+    r"""%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\])*"|(?P<include>\#include\b)|(?<![\w'])(?P<number>[1-9]\d*)\b""", re.DOTALL
+)
+_ARITHMETIC: Final[dict[int, Callable[[int, int], int]]] = {
+    ast.BinaryOperator.Plus: operator.add,
+    ast.BinaryOperator.Minus: operator.sub,
+    ast.BinaryOperator.Multiplication: operator.mul,
+}
 _MESSAGE: Final = re.compile(r"(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: (?P<kind>\w+): (?P<text>.*)")
 _UNSAFE: Final = re.compile(r":(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: note: '(?P<name>.+?)' is unsafe")
 
@@ -76,9 +85,13 @@ def parse(file: RuleFile) -> tuple[list[AST], list[Fault]]:
         text = file.content.decode()
     except UnicodeDecodeError as error:
         return [], [Fault(file.title, 0, 0, f"not UTF-8: byte {error.start}")]
-    included = [match for match in _SKIPPED_OR_INCLUDE.finditer(text) if match.group() == "#include"]
-    if included:
-        return [], [file.fault(*_place(text, m.start()), "#include is not allowed: name each file") for m in included]
+    refused = [
+        file.fault(*_place(text, match.start()), message)
+        for match in _SKIPPED_OR_TOKEN.finditer(text)
+        if (message := _token_refusal(match))
+    ]
+    if refused:
+        return [], refused
     statements: list[AST] = []
     messages: list[str] = []
     try:
@@ -86,6 +99,15 @@ def parse(file: RuleFile) -> tuple[list[AST], list[Fault]]:
     except RuntimeError:
         return [], explain(messages, [file])
     return [s for s in statements if s.ast_type is not ASTType.Comment], explain(messages, [file])
+
+
+def _token_refusal(match: re.Match[str]) -> str:
+    """Return why a piece of text is not allowed, of which the syntax tree says nothing any more."""
+    if match["include"]:
+        return "#include is not allowed: name each file"
+    if match["number"] and int(match["number"]) > GREATEST:
+        return f"{match['number']} does not fit 32 bits: at most {GREATEST}"
+    return ""
 
 
 def explain(messages: Iterable[str], files: Sequence[RuleFile]) -> list[Fault]:
@@ -114,7 +136,8 @@ def check(files: Sequence[tuple[RuleFile, Sequence[AST]]], queries_type: type) -
         files: Each file with its statements.
         queries_type: The class whose public methods are the @functions.
     """
-    seen = _Seen()
+    definitions = (s for _, statements in files for s in statements if s.ast_type is ASTType.Definition)
+    seen = _Seen({s.name: value for s in definitions if (value := constant_value(s.value, {})) is not None})
     for file, statements in files:
         for statement in statements:
             seen.read(file, statement)
@@ -126,6 +149,20 @@ def signatures(atom: AST) -> list[Signature]:
     symbol = atom.symbol
     terms = symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]
     return [(term.name, len(term.arguments)) for term in terms if term.ast_type is ASTType.Function]
+
+
+def constant_value(node: AST, constants: Mapping[str, int]) -> int | None:
+    """Return the number that a term stands for in every belief, as it should be; None if there is none."""
+    match node.ast_type:
+        case ASTType.SymbolicTerm:
+            number = node.symbol.type is SymbolType.Number
+            return node.symbol.number if number else constants.get(str(node.symbol))
+        case ASTType.Function if not node.arguments and not node.external:
+            return constants.get(node.name)
+        case ASTType.BinaryOperation if node.operator_type in _ARITHMETIC:
+            left, right = constant_value(node.left, constants), constant_value(node.right, constants)
+            return None if left is None or right is None else _ARITHMETIC[node.operator_type](left, right)
+    return None
 
 
 def _place(text: str, offset: int) -> tuple[int, int]:
@@ -143,8 +180,9 @@ class _Use:
 
 @dataclass(slots=True)
 class _Seen:
-    """Everything of interest in the statements read so far."""
+    """Everything of interest in the statements read so far; `constants` are the numbers that `#const` names."""
 
+    constants: dict[str, int]
     heads: list[tuple[Signature, Callable[[str], Fault]]] = field(default_factory=list)
     uses: list[_Use] = field(default_factory=list)
     calls: list[tuple[str, int, Callable[[str], Fault]]] = field(default_factory=list)
@@ -170,6 +208,9 @@ class _Seen:
                 self.calls.append((node.name, len(node.arguments), at(node)))
             if node.ast_type is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
                 self.faults.append(at(node)(f"{node} is a text; rules are written in constants"))
+            value = constant_value(node, self.constants)
+            if value is not None and abs(value) > GREATEST:
+                self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
         if kind is ASTType.Defined:
             self.declared.add((statement.name, statement.arity))
         elif kind is ASTType.ShowSignature:

@@ -1,5 +1,6 @@
 """What the reasoner asks about: something to be done from a base pose."""
 
+from dataclasses import dataclass
 from typing import Protocol
 
 from skolem.traces.messages import Hand
@@ -34,6 +35,17 @@ class Activity(Protocol):
     def clear_of(self) -> "Activity | None":
         """What the object must not stand in the way of when it is placed."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class Picking:
+    """The picking of an object with a hand."""
+
+    anchor: str
+    hand: Hand
+    kind: str = "pick"
+    support: str | None = None
+    clear_of: Activity | None = None
 
 
 def key_of(activity: Activity) -> Question:

@@ -28,13 +28,28 @@ class Image:
     body: NDArray[np.int64]
 
 
-def render(client: int, world_T_camera: Frame, columns: int = COLUMNS, rows: int = ROWS) -> Image:
-    """Return what a camera sees; the frame's x axis looks forward, z up. Needs no graphics hardware."""
+def render(
+    client: int,
+    world_T_camera: Frame,
+    columns: int = COLUMNS,
+    rows: int = ROWS,
+    light_world: tuple[float, float, float] | None = None,
+) -> Image:
+    """Return what a camera sees; the frame's x axis looks forward, z up. Needs no graphics hardware.
+
+    Args:
+        client: Physics client.
+        world_T_camera: Where the camera is.
+        columns: Of the picture.
+        rows: Of the picture.
+        light_world: Direction towards the light; None: the renderer's own, from above.
+    """
     eye, forward, up = world_T_camera.origin, world_T_camera.axes[:, 0], world_T_camera.axes[:, 2]
     view = p.computeViewMatrix(eye.tolist(), (eye + forward).tolist(), up.tolist())
     projection = p.computeProjectionMatrixFOV(math.degrees(FOVY_RAD), columns / rows, NEAR_M, FAR_M)
+    light = {} if light_world is None else {"lightDirection": light_world}
     _, _, rgba, buffer, body = p.getCameraImage(
-        columns, rows, view, projection, shadow=0, renderer=p.ER_TINY_RENDERER, physicsClientId=client
+        columns, rows, view, projection, shadow=0, renderer=p.ER_TINY_RENDERER, physicsClientId=client, **light
     )
     # asarray and reshape: builds of PyBullet without NumPy return flat tuples
     colour = np.asarray(rgba, dtype=np.uint8).reshape(rows, columns, 4)[:, :, :3]

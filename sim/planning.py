@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from skolem.sim import arm_motions, motion, ways
-from skolem.sim.activities import Activity, Question, key_of
+from skolem.sim.activities import Activity, Picking, Question, key_of
 from skolem.sim.arm_motions import ArmPlanner, Spots
 from skolem.sim.assets import robot_sha256
 from skolem.sim.believed import BelievedWorld
@@ -23,7 +23,7 @@ from skolem.sim.poses import compose2, compose4
 from skolem.sim.surveyor import Surveyor
 from skolem.sim.trials import Task, Trials
 from skolem.sim.ways import Way
-from skolem.traces.messages import HANDS, Belief, Command, MoveBase, ObjectType, Pose2
+from skolem.traces.messages import HANDS, Belief, Command, Hand, MoveBase, ObjectType, Pose2
 
 BASE_STREAM = 3
 SURVEYS_DRIVEN = 8  # stances to look at a region from to which a drive is sought
@@ -99,10 +99,19 @@ class PlanningWorld:
     # ---------------------------------------------------------------- memory and doubt
 
     def _doubtful_look(self, activity: Activity) -> Command | None:
-        """Return the look that shows the object if it is where it is on average; None if another stance is surer."""
-        if self._kept("approach", activity, self._approach) is not None:
-            return None
-        return self._kept("ready", activity, self._ready, narrow=True)
+        """Return the look that shows the object if it is where it is on average; None if another stance is surer.
+
+        None counts as surer while the object is to be grasped from here, if that too takes things to be so.
+        """
+        look = self._kept("ready", activity, self._ready, narrow=True)
+        if look is None or self._kept("approach", activity, self._approach) is None:
+            return look
+        return look if any(self._is_grasped_in_doubt(activity.anchor, hand) for hand in HANDS) else None
+
+    def _is_grasped_in_doubt(self, anchor: str, hand: Hand) -> bool:
+        """Return whether an object can be picked from here, and from nowhere with things as wide as their doubt."""
+        pick = Picking(anchor, hand)
+        return self.ready(pick) is not None and self._kept("approach", pick, self._approach) is None
 
     def _kept(
         self, question: str, activity: Activity, answer: Callable[[Task | None], Command | None], narrow: bool = False

@@ -122,8 +122,9 @@ class PR2:
 
     def set_joints(self, values: Mapping[str, float]) -> None:
         """Put joints at values (rad or m), at rest."""
-        for name, value in values.items():
-            p.resetJointState(self.id, self.joint[name], value, 0.0, physicsClientId=self.client)
+        indices, rest = [self.joint[name] for name in values], [[0.0]] * len(values)
+        positions = [[value] for value in values.values()]
+        p.resetJointStatesMultiDof(self.id, indices, positions, rest, physicsClientId=self.client)
 
     def joints(self, names: Iterable[str]) -> tuple[float, ...]:
         """Return the values of joints (rad or m), in the order of `names`."""

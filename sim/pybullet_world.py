@@ -18,6 +18,7 @@ from skolem.sim.executor import Executor
 from skolem.sim.hand import attach, between_fingers, detach, enable_wrist_sensor, held_touches, wrist_force
 from skolem.sim.noise import Purpose, extrinsic_error, noisy_depth, odometry_error, stream, wrist_error
 from skolem.sim.pr2 import FINGER_OPEN_RAD, TOOL_FRAME
+from skolem.sim.surveys import AHEAD
 from skolem.sim.truth import TrueBody
 from skolem.sim.world import Recorder, World
 from skolem.traces.messages import (
@@ -140,6 +141,7 @@ class PyBulletWorld:
 
     def _drive(self, step: int, command: MoveBase) -> ActionResult:
         path = command.start_T_waypoint
+        self._executor.turn_head(*AHEAD)
         draws = stream(self._seed, step, Purpose.ODOMETRY)
         driven = self._executor.drive(path, odometry_error(self._noise, path[-1], draws) if path else (0.0, 0.0, 0.0))
         return ActionResult(

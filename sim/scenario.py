@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 
 from skolem.sim.poses import compose2, wrap
 from skolem.sim.scenario_checks import mistakes, placed
-from skolem.sim.scenario_document import Address, Document, load_document, nearest
+from skolem.sim.scenario_document import Address, Document, load_document, nearest, read_document
 from skolem.sim.scenario_models import BelievedObject, BelievedRegion, ColourPrior, LogNormal, Scenario, WorldObject
 from skolem.sim.truth import TrueBody
 from skolem.traces.errors import Fault, InputError
@@ -32,7 +32,17 @@ from skolem.traces.messages import (
     RobotState,
 )
 
-__all__ = ["Document", "Scenario", "check", "load_document", "moves_before", "prior", "schema_text", "true_bodies"]
+__all__ = [
+    "Document",
+    "Scenario",
+    "check",
+    "load_document",
+    "moves_before",
+    "prior",
+    "read_document",
+    "schema_text",
+    "true_bodies",
+]
 
 Types = Mapping[str, ObjectType]
 GoalFaults = Callable[[str, frozenset[str]], list[tuple[int, str]]]
@@ -101,7 +111,7 @@ def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Pri
     """Return what the robot is told before it starts.
 
     The base and the objects `like: world` are drawn around the truth with the stated deviations, from a stream of their
-    own, so that the initial belief is calibrated over seeds.
+    own, so that the initial belief is calibrated over seeds. Without noise they are known exactly instead.
 
     Args:
         scenario: The scenario.
@@ -111,14 +121,15 @@ def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Pri
     """
     draw = Generator(PCG64(SeedSequence([seed, 0, PRIOR_STREAM]))).standard_normal
     base, sd = scenario.robot.base, scenario.robot.base_sd
+    base_sd = (0.0, 0.0) if scenario.noise == "none" else (sd.xy_m, sd.theta_rad)
     told: dict[str, PriorObject] = {}
-    world_T_base = _perturbed((base.x, base.y, base.theta), sd.xy_m, sd.theta_rad, draw(3).tolist())
+    world_T_base = _perturbed((base.x, base.y, base.theta), *base_sd, draw(3).tolist())
     for item in scenario.belief.objects:
         told[item.id] = _told(item, scenario, types, told, draw(3).tolist())
     return Prior(
         world_T_base=world_T_base,
-        base_sd_xy_m=sd.xy_m,
-        base_sd_theta_rad=sd.theta_rad,
+        base_sd_xy_m=base_sd[0],
+        base_sd_theta_rad=base_sd[1],
         robot=robot,
         objects=tuple(told.values()),
         regions=tuple(_region(item, scenario) for item in scenario.belief.regions),
@@ -132,7 +143,7 @@ def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Pri
 
 def believed_noise(scenario: Scenario) -> NoiseModel:
     """Return what the robot believes of its sensors, right or wrong."""
-    return (scenario.noise if scenario.model == "same" else scenario.model).message()
+    return (scenario.true_noise if scenario.model == "same" else scenario.model).message()
 
 
 def _told(
@@ -143,6 +154,8 @@ def _told(
     sd_xy = defaults.sd_xy_m if item.sd_xy_m is None else item.sd_xy_m
     sd_theta = defaults.sd_theta_rad if item.sd_theta_rad is None else item.sd_theta_rad
     if item.at is None:
+        if scenario.noise == "none":
+            sd_xy = sd_theta = 0.0
         body = next(body for body in true_bodies(scenario, types) if body.id == item.id)
         x, y, z, theta = body.world_T_object
         x, y, theta = _perturbed((x, y, theta), sd_xy, sd_theta, noise)

@@ -6,7 +6,7 @@ refused when it is too large, too deep, tagged, or when its aliases would unfold
 
 import difflib
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -131,8 +131,18 @@ def load_document(path: Path, overrides: Sequence[str] = ()) -> Document:
     Raises:
         InputError: If the file cannot be read, is not safe YAML or not a mapping, or an override has no such place.
     """
-    file = str(path)
-    text = _text(path)
+    document = read_document(str(path), _text(path), overrides)
+    names = document.values.get("rules")
+    rules = [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
+    return replace(document, rules=tuple(path.parent / name for name in rules))
+
+
+def read_document(file: str, text: str, overrides: Sequence[str] = ()) -> Document:
+    """Return a text as a document that names no rule files, with `a.b=value` overrides applied.
+
+    Raises:
+        InputError: If the text is not safe YAML or not a mapping, or an override has no such place.
+    """
     tree = _parse(file, text)
     if not isinstance(tree, dict):
         raise InputError(
@@ -140,9 +150,7 @@ def load_document(path: Path, overrides: Sequence[str] = ()) -> Document:
         )
     values = _plain(tree)
     applied = tuple(_override(values, flag) for flag in overrides)
-    rules = values.get("rules")
-    names = [name for name in rules if isinstance(name, str)] if isinstance(rules, list) else []
-    return Document(file, text, values, tuple(path.parent / name for name in names), applied, tree)
+    return Document(file, text, values, (), applied, tree)
 
 
 def nearest(word: str, known: Iterable[str]) -> str:

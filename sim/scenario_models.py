@@ -142,6 +142,18 @@ class Noise(Model):
         )
 
 
+EXACT = Noise(
+    depth=DepthNoise(sd_scale=0.0),
+    extrinsics=RigidNoise(sd_m=0.0, sd_rad=0.0),
+    detection=DetectionNoise(found=1.0, false_per_look=0.0, type_right=1.0),
+    colour=ColourNoise(gain=0.83, sd_rgb=0.0),  # shading is no error: light falls on things as it does
+    odometry=OdometryNoise(sd_m=0.0, sd_per_m=0.0, sd_rad=0.0, sd_per_rad=0.0),
+    wrist=WristNoise(sd_newton=0.0, drift_newton=0.0),
+    grasp=RigidNoise(sd_m=0.0, sd_rad=0.0),
+    place=RigidNoise(sd_m=0.0, sd_rad=0.0),
+)
+
+
 class BasePose(Model):
     """Where the base stands in the world."""
 
@@ -250,7 +262,14 @@ class Scenario(Model):
     limits: Limits
     rules: Annotated[tuple[str, ...], Field(description="extra rule files, relative to this file")] = ()
     priors: Priors
-    noise: Noise
+    noise: Annotated[
+        Annotated[Literal["none"], Tag("none")] | Annotated[Noise, Tag("noise")],
+        Discriminator(lambda value: "noise" if isinstance(value, dict | Noise) else "none"),
+        Field(
+            description="how sensors and motion truly err; none: not at all, and the robot is told exactly where it is "
+            "and where all is that it is told of `like: world`"
+        ),
+    ]
     model: Annotated[
         Annotated[Literal["same"], Tag("same")] | Annotated[Noise, Tag("noise")],
         Discriminator(lambda value: "noise" if isinstance(value, dict | Noise) else "same"),
@@ -261,3 +280,8 @@ class Scenario(Model):
     disturbances: tuple[Disturbance, ...] = ()
     belief: InitialBelief
     expect: Expect | None = None
+
+    @property
+    def true_noise(self) -> Noise:
+        """How sensors and motion truly err."""
+        return EXACT if self.noise == "none" else self.noise

@@ -21,6 +21,7 @@ ENOUGH_SHARE = 0.3  # of what is unseen: a look that shows so much is worth taki
 ALMOST_BEST = 0.7  # ... as is one that shows so much of what the best stance shows
 LEAST_SHARE = 0.04  # a look that shows less is none
 SAME_HEAD_RAD = 0.04  # a look that would not turn the head by more was just taken: it shows nothing new
+AHEAD = (0.0, 0.0)  # pan and tilt while the base drives: where it arrives no look has been taken yet
 
 
 class Camera(Protocol):

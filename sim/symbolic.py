@@ -16,17 +16,18 @@ import numpy as np
 from numpy.random import PCG64, Generator, SeedSequence
 from numpy.typing import NDArray
 
-from skolem.sim.cloud import misplaced
+from skolem.sim.cloud import Frame, misplaced
 from skolem.sim.corridors import HAND_M, pillar, standing_in
 from skolem.sim.detection_noise import worsen
 from skolem.sim.detector import Seen, canonical_order, pose_covariance
 from skolem.sim.fitting import HEIGHT_SD_M, MODEL_SD_M, RESIDUAL_SD_M, UNKNOWN_YAW_SD_RAD
 from skolem.sim.footprints import Footprint, footprint, overhang
 from skolem.sim.noise import Extrinsics, Purpose, extrinsic_error, odometry_error, stream, wrist_error
-from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap
+from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4, raised, rotation, wrap
 from skolem.sim.supports import Support
+from skolem.sim.surveys import AHEAD
 from skolem.sim.symbolic_arm import CARRY, base_T_tool
-from skolem.sim.symbolic_view import Solid, camera, depth_view, in_sight, table_in_sight
+from skolem.sim.symbolic_view import Solid, camera, depth_view, in_sight, points_in_sight, table_in_sight
 from skolem.sim.truth import TrueBody
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
@@ -56,7 +57,7 @@ TABLE_SD_M, TABLE_SD_RAD = 0.005, 0.01  # of a seen table beside the camera's er
 CAPTURE_M, CAPTURE_RAD = 0.03, 0.2  # a hand closes on what is this near to where it was planned to be
 OPEN_GAP_M = 0.086  # between the open fingers
 FULL_POINTS = 2000.0  # pixels on a can one metre from a camera of 320 x 240
-PLACES_PER_TOP = 7  # along each side, of where a false detection can claim to stand
+PLACE_M = 0.02  # between places on a top where a false detection can claim to stand
 SPEED_M, SPEED_RAD = 0.5, 0.7  # of the base, per second
 LOOK_S, HAND_S, WEIGH_S = 1.0, 6.0, 1.0  # simulated duration of the other actions
 WEIGH_SAMPLES = 48
@@ -162,6 +163,7 @@ class SymbolicWorld:
         )
 
     def _move(self, step: int, command: MoveBase) -> ActionResult:
+        self._robot = self._robot.model_copy(update={"head": AHEAD})
         start_T_end: Pose2 = (0.0, 0.0, 0.0)
         for start_T_next in command.start_T_waypoint:
             x, y, turn = compose2(inverse2(start_T_end), start_T_next)
@@ -292,7 +294,7 @@ class SymbolicWorld:
             if solid.type.graspable and in_sight(frame, solid, [other for other in solids if other.id != solid.id])
         ]
         tables = [solid for solid in solids if solid.type.shape == "table"]
-        tops = tuple(_top(solid) for solid in tables)
+        tops = [_top(frame, solid, [other for other in solids if other.id != solid.id]) for solid in tables]
         edges = [
             self._table_detection(solid, _misplaced(_of_top(solid), frame.origin, frame.axes, error), frame.origin)
             for solid in tables
@@ -354,13 +356,15 @@ def _of_top(table: Solid) -> Pose4:
     return compose4(table.base_T_solid, (0.0, 0.0, table.type.size_m[2], 0.0))
 
 
-def _top(solid: Solid) -> Support:
-    """Return a table's top with a few places on it where something could be claimed to stand."""
-    width, depth, height = solid.type.size_m
-    u, v = np.meshgrid(np.linspace(-0.4, 0.4, PLACES_PER_TOP) * width, np.linspace(-0.4, 0.4, PLACES_PER_TOP) * depth)
-    points = [compose4(solid.base_T_solid, (a, b, height, 0.0))[:3] for a, b in zip(u.flat, v.flat, strict=True)]
-    top = np.array([0.0, 0.0, 1.0])
-    return Support(top, solid.base_T_solid[2] + height, np.zeros((0, 3)), np.array(points))
+def _top(frame: Frame, table: Solid, others: Sequence[Solid]) -> Support:
+    """Return a table's top with the visible places on it where something could be claimed to stand."""
+    width, depth, height = table.type.size_m
+    u, v = np.meshgrid(*(np.arange(PLACE_M / 2.0, size, PLACE_M) - size / 2.0 for size in (width, depth)))
+    x, y, z, theta = table.base_T_solid
+    level = np.stack([u.ravel(), v.ravel(), np.full(u.size, height)], axis=1)
+    points = level @ rotation(theta).T + (x, y, z)
+    up = np.array([0.0, 0.0, 1.0])
+    return Support(up, z + height, np.zeros((0, 3)), points[points_in_sight(frame, points, others)])
 
 
 def _likeness(seen: ObjectType, kind: ObjectType) -> float:

@@ -1,5 +1,6 @@
 """The believed world in the symbolic robot's simple terms: what stands where, and where a base may stand around it."""
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 
@@ -11,6 +12,7 @@ from skolem.sim.symbolic_sight import BelievedSight, Thing
 from skolem.traces.messages import Belief, Hand, ObjectBelief, ObjectType, Pose2, Pose4
 
 STANDOFF_M = 0.62  # from the base to what a hand reaches for
+OBLIQUE_RAD = 0.4  # between the heading of a base that stands obliquely and the square one
 BODY_M, AIR_M = 0.36, 0.01  # from the middle of the base to its edge, and how much of that is air
 DOUBT_LIMIT_M = 0.05  # more doubt about the place of what is looked at is not reckoned with
 EXISTS = 0.5  # objects less likely to exist take no room
@@ -34,9 +36,9 @@ class SymbolicBelief:
         shares = self.object(anchor).type
         return self._types[max(sorted(shares), key=shares.__getitem__)]
 
-    def base_T(self, world_T_thing: Pose4) -> Pose4:
-        """Return where something is seen from the base."""
-        return compose4(inverse4(raised(self.belief.world_T_base)), world_T_thing)
+    def base_T(self, world_T_thing: Pose4, world_T_base: Pose2 | None = None) -> Pose4:
+        """Return where something is seen from a base pose; from where the base is, if none is given."""
+        return compose4(inverse4(raised(world_T_base or self.belief.world_T_base)), world_T_thing)
 
     def full(self, hand: Hand) -> bool:
         """Return whether a hand holds something."""
@@ -70,20 +72,23 @@ class SymbolicBelief:
     # ---------------------------------------------------------------- base poses
 
     def standoffs(self, world_T_target: Pose2, support: str | None, farthest_m: float) -> list[Pose2]:
-        """Return the base poses before a target, square to the free edges of what it stands on, the nearest first."""
+        """Return the base poses before a target: square to the edges below it, the nearest first, then oblique ones."""
         x, y, _ = world_T_target
         bx, by, _ = self.belief.world_T_base
         if support is None or self.type(support).shape != "table":
             sides = [(math.atan2(y - by, x - bx), 0.0)]
         else:
             sides = self._edges(world_T_target, support)
-        poses = []
-        for heading, depth in sides:
-            away = max(STANDOFF_M, depth + BODY_M)
-            pose = (x - away * math.cos(heading), y - away * math.sin(heading), heading)
-            if away <= farthest_m and self.free(pose):
-                poses.append(pose)
-        return sorted(poses, key=self.drive_length)
+        found: list[Pose2] = []
+        for turns in ((0.0,), (-OBLIQUE_RAD, OBLIQUE_RAD)):
+            poses = []
+            for (edge, depth), turn in itertools.product(sides, turns):
+                away, heading = max(STANDOFF_M, (depth + BODY_M) / math.cos(turn)), wrap(edge + turn)
+                pose = (x - away * math.cos(heading), y - away * math.sin(heading), heading)
+                if away <= farthest_m and self.free(pose):
+                    poses.append(pose)
+            found += sorted(poses, key=self.drive_length)
+        return found
 
     def ring(self, middle: tuple[float, float]) -> Iterator[Pose2]:
         """Yield the free base poses all around a point, facing it, the nearest first."""

@@ -6,46 +6,30 @@ of the time: the base drives in a straight line, a hand comes through a straight
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skolem.sim.activities import Activity
-from skolem.sim.grasps import RELEASE_M, STEEPEST_RAD, YAWS, approach_yaws, back_off, grasp, spots, widest_half
-from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap
-from skolem.sim.symbolic_arm import CARRY, reach, shoulder
+from skolem.sim.grasps import RELEASE_M, spots, widest_half
+from skolem.sim.poses import compose2, flat, inverse2, raised
 from skolem.sim.symbolic_belief import BODY_M, SymbolicBelief
+from skolem.sim.symbolic_hands import FAR_M, SymbolicHands
 from skolem.sim.symbolic_view import head_towards
-from skolem.sim.symbolic_ways import FAR_M, LOOK_M, IsClear, Way, Ways
+from skolem.sim.symbolic_ways import LOOK_M, IsClear, Way, Ways
 from skolem.traces.messages import (
     Belief,
     Command,
     Hand,
-    Joints7,
     LookAt,
     MoveBase,
     ObjectType,
     Pick,
     Place,
     Pose2,
-    Pose4,
     Weigh,
 )
 
-NEAR_M = 0.5  # from the base to what a hand reaches for, at least
-FACING_RAD = 0.5
-LIFT_M = 0.05
 SPOTS = 24  # of the best places on a table, how many are tried
-
-
-@dataclass(frozen=True, slots=True)
-class Reach:
-    """Arm configurations before, at and above a grasp or a release."""
-
-    before: Joints7
-    at: Joints7
-    above: Joints7
 
 
 class SymbolicGeometry:
@@ -61,7 +45,8 @@ class SymbolicGeometry:
         if belief != self._belief:
             self._belief = belief
             self._believed = SymbolicBelief(self._types, belief)
-            self._ways = Ways(self._believed)
+            self._hands = SymbolicHands(self._believed)
+            self._ways = Ways(self._believed, self._hands)
 
     def close(self) -> None:
         """Free nothing: there is no physics."""
@@ -77,7 +62,7 @@ class SymbolicGeometry:
             case "pick", ("right" | "left") as hand, _:
                 return None if self._believed.full(hand) else self._pick(hand, activity.anchor)
             case "place", ("right" | "left") as hand, str(support):
-                return self._place(hand, activity, support)
+                return self._place(hand, activity, support, self._now.world_T_base)
             case "weigh", ("right" | "left") as hand, _:
                 return Weigh(hand=hand) if self._believed.object(activity.anchor).in_hand == hand else None
         return None
@@ -86,9 +71,7 @@ class SymbolicGeometry:
         """Return a straight drive to where `activity` can be done, or None."""
         stance: Pose2 | None = None
         if activity.kind == "place" and activity.support is not None:
-            spots = self._spots(activity, activity.support)
-            found = [self._believed.standoffs(spot, activity.support, FAR_M)[:1] for spot in spots]
-            stance = min((pose for poses in found for pose in poses), key=self._believed.drive_length, default=None)
+            stance = self._to_place(activity, activity.support)
         elif self._is_open(activity):
             stance = next(self._ways.free(activity), None)
         if stance is None:
@@ -135,62 +118,26 @@ class SymbolicGeometry:
         return None if head is None else LookAt(pan=head[0], tilt=head[1])
 
     def _pick(self, hand: Hand, anchor: str) -> Pick | None:
-        kind, believed = self._believed.type(anchor), self._believed.object(anchor)
-        base_T_object = self._believed.base_T(believed.world_T_object)
-        if believed.in_hand is not None or not _within_reach(base_T_object):
+        """Return the pick from here, unless a hand is full or something stands in the way."""
+        here = self._now.world_T_base
+        if self._believed.object(anchor).in_hand is not None or self._ways.in_corridor(here, anchor):
             return None
-        if self._ways.in_corridor(self._now.world_T_base, anchor):
-            return None
-        for yaw in self._straightest(hand, base_T_object, approach_yaws(kind, base_T_object[3])):
-            held = grasp(kind, base_T_object, yaw)
-            arm = self._reach(hand, held.base_T_tool, back_off(kind, 0.0))
-            if arm is not None:
-                return Pick(
-                    hand=hand,
-                    approach=(arm.before,),
-                    reach=(arm.at,),
-                    lift=(arm.above,),
-                    carry=(CARRY[hand],),
-                    tool_T_object=held.tool_T_object,
-                )
-        return None
+        return self._hands.pick(hand, anchor, here)
 
-    def _place(self, hand: Hand, activity: Activity, support: str) -> Place | None:
-        believed, kind = self._believed.object(activity.anchor), self._believed.type(activity.anchor)
-        if believed.in_hand != hand or believed.tool_T_object is None:
-            return None
+    def _place(self, hand: Hand, activity: Activity, support: str, world_T_base: Pose2) -> Place | None:
+        """Return how what is in a hand is put on the best place that the hand reaches from a base pose, or None."""
         top = self._believed.type(support).size_m[2]
-        for x, y, theta in self._spots(activity, support):
-            base_T_spot = self._believed.base_T((x, y, top + RELEASE_M, theta))
-            if not _within_reach(base_T_spot):
-                continue
-            for yaw in self._straightest(hand, base_T_spot, np.linspace(-STEEPEST_RAD, STEEPEST_RAD, YAWS)):
-                turned = (*base_T_spot[:3], wrap(yaw + believed.tool_T_object[3]))
-                arm = self._reach(hand, compose4(turned, inverse4(believed.tool_T_object)), back_off(kind, 0.0))
-                if arm is not None:
-                    return Place(
-                        hand=hand,
-                        approach=(arm.above,),
-                        lower=(arm.at,),
-                        retreat=(arm.before,),
-                        carry=(CARRY[hand],),
-                    )
-        return None
+        releases = ((x, y, top + RELEASE_M, theta) for x, y, theta in self._spots(activity, support))
+        found = (self._hands.place(hand, activity.anchor, release, world_T_base) for release in releases)
+        return next((place for place in found if place is not None), None)
 
-    def _straightest(self, hand: Hand, base_T_target: Pose4, yaws: NDArray[np.float64]) -> list[float]:
-        """Return directions of the fingers, shape (n,), sorted: straight away from the shoulder first."""
-        sx, sy, _ = shoulder(hand, self._now.robot.torso)
-        straight = math.atan2(base_T_target[1] - sy, base_T_target[0] - sx)
-        angles: list[float] = yaws.tolist()
-        return sorted(angles, key=lambda yaw: (abs(wrap(yaw - straight)), yaw))
-
-    def _reach(self, hand: Hand, base_T_tool: Pose4, back_m: float) -> Reach | None:
-        """Return arm configurations at a tool pose, `back_m` behind it and a little above it, or None."""
-        torso = self._now.robot.torso
-        before = reach(hand, torso, compose4(base_T_tool, (-back_m, 0.0, 0.0, 0.0)))
-        at = reach(hand, torso, base_T_tool)
-        above = reach(hand, torso, compose4(base_T_tool, (0.0, 0.0, LIFT_M, 0.0)))
-        return None if before is None or at is None or above is None else Reach(before, at, above)
+    def _to_place(self, activity: Activity, support: str) -> Pose2 | None:
+        """Return the nearest base pose before a place on a table from which a hand reaches one, or None."""
+        hand = activity.hand
+        found = [self._believed.standoffs(spot, support, FAR_M)[:1] for spot in self._spots(activity, support)]
+        stances = sorted((pose for poses in found for pose in poses), key=self._believed.drive_length)
+        can_place = (at for at in stances if hand is not None and self._place(hand, activity, support, at) is not None)
+        return next(can_place, None)
 
     def _spots(self, activity: Activity, support: str) -> Iterator[Pose2]:
         """Yield free places on a table for an object, in the world, the ones with most room first."""
@@ -219,9 +166,3 @@ class SymbolicGeometry:
         """Return a test of whether something put down at a pose leaves room for another activity."""
         way = None if other is None or not self._is_open(other) else self._way(other)
         return (lambda at: True) if other is None or way is None else self._ways.leaves_room(other, way, kind)
-
-
-def _within_reach(base_T_target: Pose4) -> bool:
-    """Return whether a target lies in the ring before the base where a hand reaches it."""
-    x, y = base_T_target[:2]
-    return NEAR_M <= math.hypot(x, y) <= FAR_M and abs(math.atan2(y, x)) <= FACING_RAD

@@ -131,11 +131,16 @@ def table_in_sight(frame: Frame, table: Solid, others: Sequence[Solid]) -> bool:
     along = np.linspace(-1.0, 1.0, EDGE_POINTS)
     edges = [half * (u, v) for t in along for u, v in ((t, -1.0), (t, 1.0), (-1.0, t), (1.0, t))]
     points = np.array([compose4(table.base_T_solid, (u, v, table.type.size_m[2], 0.0))[:3] for u, v in edges])
-    toward = points - frame.origin
+    return bool(points_in_sight(frame, points, others).mean() >= EDGE_SHARE)
+
+
+def points_in_sight(frame: Frame, points_base: Floats, others: Sequence[Solid]) -> NDArray[np.bool_]:
+    """Return which points, shape (n, 3), base frame, are near, in the image and not behind `others`."""
+    toward = points_base - frame.origin
     forward, left, up = (toward @ frame.axes).T
     limit = math.tan(FOVY_RAD / 2.0) * forward
     seen = (np.abs(up) < limit) & (np.abs(left) < limit * ASPECT) & (np.linalg.norm(toward, axis=1) < SIGHT_M)
-    return bool((seen & (cast(frame, toward, others) > 1.0 - 1e-6)).mean() >= EDGE_SHARE)
+    return np.asarray(seen & (cast(frame, toward, others) > 1.0 - 1e-6))
 
 
 def outline(eye: Floats, solid: Solid) -> Floats:

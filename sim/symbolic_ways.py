@@ -14,10 +14,10 @@ from skolem.sim.grasps import widest_half
 from skolem.sim.poses import Vector3, flat
 from skolem.sim.surveys import Survey
 from skolem.sim.symbolic_belief import SymbolicBelief
+from skolem.sim.symbolic_hands import FAR_M, SymbolicHands
 from skolem.sim.symbolic_sight import BelievedSight
 from skolem.traces.messages import ObjectType, Pose2, Pose4
 
-FAR_M = 0.8  # from the base to what a hand reaches for
 LOOK_M = 1.6  # from the base: what is nearer can be looked at
 ROOM_M = 0.03  # around what is put down beside a way
 ELSEWHERE_M = 0.5  # when what a look should have shown did not appear, the next is from so far away
@@ -38,9 +38,10 @@ class Way:
 class Ways:
     """Compares the base poses from which something could be done in one belief."""
 
-    def __init__(self, belief: SymbolicBelief) -> None:
-        """Keep the belief; what stances show of a region is kept as it is asked for."""
+    def __init__(self, belief: SymbolicBelief, hands: SymbolicHands) -> None:
+        """Keep the belief and how hands reach in it; what stances show of a region is kept as it is asked for."""
         self._belief = belief
+        self._hands = hands
         self._compared: dict[str, list[tuple[Pose2, Survey]]] = {}
 
     def free(self, activity: Activity) -> Iterator[Pose2]:
@@ -80,7 +81,8 @@ class Ways:
         target, support = flat(believed.object(anchor).world_T_object), believed.object(anchor).support
         if activity.kind == "pick":
             for stance in believed.standoffs(target, support, FAR_M):
-                yield Way(stance, self.in_corridor(stance, anchor))
+                if activity.hand is not None and self._hands.pick(activity.hand, anchor, stance) is not None:
+                    yield Way(stance, self.in_corridor(stance, anchor))
             return
         is_table = believed.type(anchor).shape == "table"
         for stance in (*believed.standoffs(target, support, FAR_M), *believed.ring(target[:2])):

@@ -15,7 +15,8 @@ from tabletop import EXACT, TYPES, near_table
 
 from skolem.sim.truth import TrueBody
 from skolem.tools.live import Silence
-from skolem.tools.session import Outcome, WorldKind, prepare, run
+from skolem.tools.planners import WorldKind
+from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.messages import (
     Action,

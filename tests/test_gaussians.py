@@ -102,9 +102,16 @@ def test_a_sensor_far_coarser_than_the_set_has_no_band() -> None:
     assert gaussians.band(GREEN, prior, np.eye(3) * 0.25, 0.99) is None
 
 
-@pytest.mark.parametrize(("p", "used"), [(0.900, 0.700), (0.95, 0.750), (0.98, 0.780), (0.3, 0.2)])
+@pytest.mark.parametrize(("p", "used"), [(0.900, 0.700), (0.95, 0.750), (0.98, 0.780), (0.3, 0.1)])
 def test_a_discrete_look_is_not_trusted_to_turn_a_belief_around(p: float, used: float) -> None:
     assert gaussians.before_reading(p, 0.95) == pytest.approx(used)
+
+
+def test_several_readings_turn_any_belief_around() -> None:
+    p, readings = 0.98, 0
+    while p > 0.001:
+        p, readings = gaussians.before_reading(p, 0.95), readings + 1
+    assert readings < 8
 
 
 def _compounds(found: tuple[object, object, object]) -> list[Compound]:

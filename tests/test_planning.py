@@ -273,6 +273,18 @@ def test_a_drive_to_look_ends_where_the_look_is_ready(planner: PlanningWorld) ->
     assert planner.ready(Doing("look", "soda1")) is not None
 
 
+def test_a_thing_that_can_only_be_picked_where_it_is_on_average_is_looked_at_from_there(planner: PlanningWorld) -> None:
+    objects = scenes.tables() | {
+        "it": scenes.believed("soda", (0.09, 1.34, 0.68, 0.0), 0.03, "table3"),
+        "beside": scenes.believed("carton", (-0.02, 1.25, 0.68, 1.51), 0.03, "table3"),
+    }
+    planner.sync(scenes.belief(objects))
+    goal = driven((0.0, 0.0, 0.0), planner.approach(Doing("pick", "it", "left")))
+    planner.sync(scenes.belief(objects, goal, version=2))
+    assert planner.ready(Doing("pick", "it", "left")) is not None
+    assert planner.ready(Doing("look", "it")) is not None
+
+
 # ---------------------------------------------------------------- the same answer every time
 
 

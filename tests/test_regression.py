@@ -52,6 +52,9 @@ class Table:
     def offers(self, fluent: Term) -> tuple[Instance, ...]:
         return tuple(i for i in self.instances if fluent in i.results)
 
+    def prepare(self, fluents: Iterable[Term]) -> None:
+        del fluents
+
     def holds(self, fluent: Term) -> bool:
         return fluent in self.now
 

@@ -125,7 +125,11 @@ def test_an_override_replaces_a_value_and_is_part_of_the_text_that_is_recorded(
     flags = ("noise.detection.found=1.0", "world.3.at=[-0.2, 0, 0]", "limits.steps=5")
     document = load_document(GREEN, flags)
     scenario = read(rulebook, GREEN, *flags)
-    assert (scenario.noise.detection.found, scenario.world[3].at, scenario.limits.steps) == (1.0, (-0.2, 0.0, 0.0), 5)
+    assert (scenario.true_noise.detection.found, scenario.world[3].at, scenario.limits.steps) == (
+        1.0,
+        (-0.2, 0.0, 0.0),
+        5,
+    )
     assert read(rulebook, written(tmp_path, document.effective_text())) == scenario
     assert load_document(GREEN).effective_text() == GREEN.read_text(encoding="utf-8")
 
@@ -288,7 +292,7 @@ def test_the_model_of_the_noise_may_differ_from_the_noise(rulebook: Rulebook, tm
     text = "".join(lines[: end + 1]) + "".join(lines[end + 1 :]).replace("found: 0.90", "found: 0.50")
     scenario = read(rulebook, written(tmp_path, text))
     told = prior(scenario, rulebook.vocabulary.types, 0, AT_START)
-    assert (scenario.noise.message().found, told.noise.found) == (0.9, 0.5)
+    assert (scenario.true_noise.message().found, told.noise.found) == (0.9, 0.5)
 
 
 def test_disturbances_move_things_before_their_step_alone(rulebook: Rulebook) -> None:

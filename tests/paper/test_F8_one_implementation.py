@@ -40,9 +40,10 @@ def test_the_real_robots_scenarios_differ_from_simulated_ones_in_configuration_a
     simulated, rules = prepare(SCENARIOS / "sim1_green.yaml", world="symbolic"), []
     for name in REAL:
         real = prepare(SCENARIOS / f"{name}.yaml", world="symbolic")
-        assert real.scenario.noise.wrist.sd_newton > simulated.scenario.noise.wrist.sd_newton
-        assert real.scenario.noise.detection.type_right < simulated.scenario.noise.detection.type_right
-        assert real.scenario.noise.odometry.sd_per_m > simulated.scenario.noise.odometry.sd_per_m
+        worse, better = real.scenario.true_noise, simulated.scenario.true_noise
+        assert worse.wrist.sd_newton > better.wrist.sd_newton
+        assert worse.detection.type_right < better.detection.type_right
+        assert worse.odometry.sd_per_m > better.odometry.sd_per_m
         rules.append(real.rulebook.sha256)
     assert all(used == simulated.rulebook.sha256 for used in rules)
 

@@ -1,0 +1,68 @@
+"""The fluents that the belief and the geometry can answer, and the activities that can be carried out, as patterns.
+
+`Situation` evaluates them; this table says what there is, so that rule files can be checked and described without a
+belief. In a pattern `object`, `region` and `hand` name what stands there, `any` is a bound or a number.
+"""
+
+from typing import Final
+
+from skolem.reasoner.terms import ANY, Compound, Term, parse_term
+
+# pattern -> (what it says, whether a goal can ask for it)
+FLUENTS: Final[dict[str, tuple[str, bool]]] = {
+    "b(den(expression,object),any)": ("the object is what the description means", True),
+    "b(holds(properties,object),any)": ("it has all of the properties", True),
+    "b(prop(word,object),any)": ("it has the property, asked by a goal", True),
+    "b(supposed(word,object),any)": ("it has the property, supposed by an examination", False),
+    "b(type(object,word),any)": ("it is of the type", False),
+    "b(exists(object),any)": ("there is such an object", False),
+    "b(on(object,object),any)": ("the first rests on the second", True),
+    "b(contents(region),any)": ("the contents of the region are known", False),
+    "b(exists_in(expression,region),any)": ("the unseen part of the region holds what is meant", False),
+    "bn(pose(object),any,any,any,any)": ("its pose relative to the base is known as well as the bounds say", True),
+    "bn(colour(object),any,any,any,any)": ("its colour is known as well as the bounds say, and near the mean", True),
+    "bn(weight(object),any,any,any,any)": ("the logarithm of its weight likewise", True),
+    "krd(object)": ("the term is an anchor, a rigid designator", True),
+    "holding(object)": ("a hand holds it", False),
+    "held(hand,object)": ("that hand holds it", False),
+    "empty(hand)": ("the hand holds nothing", False),
+    "loose(object)": ("no hand holds it", False),
+    "at(activity)": ("the activity can be carried out from where the base stands", False),
+    "clear(activity)": ("nothing stands in the way of the activity", False),
+    "aside(object,activity)": ("the object does not stand in the way of the activity", False),
+}
+ACTIVITIES: Final = (
+    "look(object)",
+    "look_region(region)",
+    "pick(hand,object)",
+    "place(object,object,any)",
+    "weigh(object)",
+)
+COMMANDS: Final = (*ACTIVITIES, "move(activity)")
+_SORTS: Final = frozenset({"expression", "object", "region", "hand", "activity", "word", "properties"})
+
+
+def sorted_pattern(text: str) -> Term:
+    """Return a pattern of the table with the name of the sort in every place of an argument."""
+    return parse_term(text)
+
+
+def pattern(text: str) -> Term:
+    """Return a pattern of the table with `any` in every place of an argument."""
+    return _open(parse_term(text))
+
+
+def _open(term: Term) -> Term:
+    if isinstance(term, Compound):
+        return Compound(term.name, tuple(map(_open, term.args)))
+    return ANY if term in _SORTS else term
+
+
+def shape(term: Term) -> str:
+    """Return the names that tell a fluent's kind: `b(on)`, `bn(pose)`, `krd`; `any` if it may be of any kind."""
+    if not isinstance(term, Compound):
+        return str(term)
+    first = term.args[0]
+    if term.name in ("b", "bn"):
+        return f"{term.name}({first.name if isinstance(first, Compound) else first})"
+    return term.name

@@ -1,0 +1,245 @@
+"""What rule files may say but hardly mean: conditions nothing brings about, words nothing observes, and the like.
+
+Everything here is found without a belief, on the shapes of `rule_shapes`. A warning that is meant is silenced where it
+arises, with its reason: `% allow CODE: why` in the comment above the rule.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Final
+
+from clingo.ast import AST, ASTType
+
+from skolem.reasoner.fluent_kinds import COMMANDS, FLUENTS, pattern, shape, sorted_pattern
+from skolem.reasoner.instances import title
+from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
+from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.terms import ANY, Compound, Term
+from skolem.reasoner.validate import OUTPUT, RuleFile
+from skolem.traces.errors import Fault
+
+CODES: Final = {  # what may be allowed -> what it is about
+    "unreachable": "a precondition that no operator and no inference rule brings about",
+    "unused_result": "a result that no rule needs and no goal can ask for",
+    "without_krd": "an operator on an object that need not be known by a rigid designator",
+    "without_result": "a step that brings nothing about",
+    "level_gap": "preconditions whose levels leave one out",
+    "unobservable": "a property for which no operator yields the quantity",
+}
+NOT_A_FLUENT: Final = "not_a_fluent"  # never allowed: the run would stop at it
+_ALLOW: Final = re.compile(r"%\s*allow (?P<code>\w+): (?P<reason>\S.*)")
+_LEFT_OUT: Final = ("denote",)  # about descriptions, not about steps
+
+Files = Sequence[tuple[RuleFile, Sequence[AST]]]
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Finding:
+    """Something to say about a rule.
+
+    Attributes:
+        fault: Where and what.
+        code: One of `CODES`, or `NOT_A_FLUENT`.
+        allowed: The reason given in the file for which it stands; empty if none is.
+    """
+
+    fault: Fault
+    code: str
+    allowed: str = ""
+
+
+def findings(rulebook: Rulebook) -> list[Finding]:
+    """Return everything to be said about rules that passed validation, sorted by place, what is allowed too."""
+    files = [(file, found) for file, found in rulebook.sources if file.name not in _LEFT_OUT]
+    shapes = shapes_of(files)
+    strange = list(_strangers(shapes, files))
+    sources = [source for source, _, _ in strange]
+    doubtful = [*_unreachable(shapes), *_unused(shapes), *_steps(shapes), *_unobservable(shapes, files, rulebook)]
+    found = strange + [finding for finding in doubtful if finding[0] not in sources]
+    return sorted({Finding(source.fault(message), code, _allowance(source, code)) for source, code, message in found})
+
+
+_Found = Iterator[tuple[Source, str, str]]
+
+
+def _allowance(source: Source, code: str) -> str:
+    """Return the reason for which a finding is allowed, from the comment directly above the rule."""
+    lines = source.file.content.decode().splitlines()
+    above = source.line - 2
+    while above >= 0 and lines[above].startswith("%"):
+        match = _ALLOW.match(lines[above])
+        if match and match["code"] == code:
+            return match["reason"]
+        above -= 1
+    return ""
+
+
+# ---------------------------------------------------------------- fluents
+
+
+def _strangers(shapes: Shapes, files: Files) -> _Found:
+    """Fluents that neither the belief nor the geometry can answer."""
+    known = [_without_variables(pattern(text)) for text in FLUENTS]
+    about = (("precond", 3), ("result", 2), ("destroys", 2))
+    used = [(source, args[1]) for name, arity in about for args, source in _all(shapes, name, arity)]
+    used += [(source, fluent) for args, source in _all(shapes, "mutex", 2) for fluent in args]
+    used += _asked(files)
+    for source, fluent in used:
+        if all(meet(_without_variables(fluent), other) is None for other in known):
+            names = sorted({shape(other) for other in known})
+            close = get_close_matches(shape(fluent), names, 1)
+            hint = f"did you mean {close[0]}?" if close else f"there are: {', '.join(names)}"
+            message = f"{shape(fluent)} is not a fluent that the belief or the geometry can answer; {hint}"
+            yield source, NOT_A_FLUENT, message
+
+
+def _asked(files: Files) -> Iterator[tuple[Source, Term]]:
+    """Yield the fluents that bodies take from goal/1."""
+    for file, statements in files:
+        for statement in statements:
+            if statement.ast_type is not ASTType.Rule:
+                continue
+            for literal in statement.body:
+                atom = literal.atom.symbol if _is_goal(literal) else None
+                if atom is not None:
+                    yield Source.of(file, statement), written(atom.arguments[0])
+
+
+def _is_goal(literal: AST) -> bool:
+    if literal.ast_type is not ASTType.Literal or literal.atom.ast_type is not ASTType.SymbolicAtom:
+        return False
+    symbol = literal.atom.symbol
+    return bool(symbol.ast_type is ASTType.Function and (symbol.name, len(symbol.arguments)) == ("goal", 1))
+
+
+def written(node: AST) -> Term:
+    """Return a term as a pattern: names and functions as written, `any` for everything else."""
+    if node.ast_type is ASTType.Function and not node.external:
+        args = tuple(map(written, node.arguments))
+        return Compound(node.name, args) if args or not node.name else node.name
+    return str(node) if node.ast_type is ASTType.SymbolicTerm else ANY
+
+
+def _without_variables(term: Term) -> Term:
+    """Return a pattern of `mutex.lp` or `destroys/2` as the shapes know it."""
+    if not isinstance(term, Compound):
+        return term
+    if term.name in ("same", "other", "under"):
+        return ANY
+    return Compound(term.name, tuple(map(_without_variables, term.args)))
+
+
+def _unreachable(shapes: Shapes) -> _Found:
+    given = [args[1] for args, _ in _all(shapes, "result", 2)]
+    for source, fluents in _by_source(shapes, "precond", 3):
+        if all(meet(fluent, other) is None for fluent in fluents for other in given):
+            yield source, "unreachable", f"nothing brings about {_shapes(fluents)}: it holds, or the step is not taken"
+
+
+def _unused(shapes: Shapes) -> _Found:
+    wanted = [args[1] for args, _ in _all(shapes, "precond", 3)]
+    wanted += [pattern(text) for text, (_, by_goal) in FLUENTS.items() if by_goal]
+    for source, fluents in _by_source(shapes, "result", 2):
+        if all(meet(fluent, other) is None for fluent in fluents for other in wanted):
+            yield source, "unused_result", f"nothing needs {_shapes(fluents)}, and no goal can ask for it"
+
+
+def _by_source(shapes: Shapes, name: str, arity: int) -> Iterator[tuple[Source, list[Term]]]:
+    """Yield every rule of a predicate about fluents with all the shapes of fluent that it gives."""
+    sources: list[Source] = []
+    fluents: list[list[Term]] = []
+    for args, source in _all(shapes, name, arity):
+        if source not in sources:
+            sources.append(source)
+            fluents.append([])
+        fluents[sources.index(source)].append(args[1])
+    yield from zip(sources, fluents, strict=True)
+
+
+def _shapes(fluents: Iterable[Term]) -> str:
+    return " or ".join(sorted({shape(fluent) for fluent in fluents}))
+
+
+# ---------------------------------------------------------------- steps
+
+
+def _steps(shapes: Shapes) -> _Found:
+    results = {_functor(args[0]) for args, _ in _all(shapes, "result", 2)}
+    places: dict[str, Source] = {}
+    for (step,), source in _all(shapes, "step", 1):
+        places.setdefault(_functor(step), source)
+    for name, source in places.items():
+        if name not in results and name != ANY:
+            yield source, "without_result", f"{name} has no result: it is never taken"
+        levels = {args[2] for args, _ in _all(shapes, "precond", 3) if _functor(args[0]) == name}
+        numbers = sorted(level for level in levels if isinstance(level, int))
+        missing = sorted(set(range(numbers[0], numbers[-1])) - set(numbers)) if numbers else []
+        if missing:
+            yield source, "level_gap", f"{name} has no precondition of level {', '.join(map(str, missing))}"
+    yield from _without_krd(shapes)
+
+
+def _without_krd(shapes: Shapes) -> _Found:
+    needed = [args for args, _ in _all(shapes, "precond", 3)]
+    sure = {_functor(step) for step, fluent, level in needed if shape(fluent) == "krd" and level == 0}
+    reported = set()
+    for (step, command), source in _all(shapes, "executes", 2):
+        name = _functor(step)
+        about = [c for c in map(sorted_pattern, COMMANDS) if _functor(c) == _functor(command)]
+        on_object = any(isinstance(c, Compound) and "object" in c.args for c in about)
+        if on_object and name not in sure and name not in reported:
+            reported.add(name)
+            yield source, "without_krd", f"{name} acts on an object but has no precond(S, krd(O), 0)"
+        if not about and command != ANY:
+            names = ", ".join(sorted(_functor(sorted_pattern(c)) for c in COMMANDS))
+            yield source, NOT_A_FLUENT, f"the robot cannot carry out {title(command)}; there are: {names}"
+
+
+# ---------------------------------------------------------------- words
+
+
+def _unobservable(shapes: Shapes, files: Files, rulebook: Rulebook) -> _Found:
+    operators = {_functor(args[0]) for args, _ in _all(shapes, "executes", 2)}
+    seen = [fluent for (step, fluent), _ in _all(shapes, "result", 2) if _functor(step) in operators]
+    measured = [(args, source) for args, source in _all(shapes, "measures", 2)]
+    for (word, quantity), source in measured:
+        if isinstance(quantity, str) and quantity != ANY and not any(_gives(fluent, quantity) for fluent in seen):
+            yield source, "unobservable", f"no operator yields the {quantity} of an object"
+        if word != ANY and word not in rulebook.vocabulary.meanings:
+            yield source, "unobservable", f"{word} is measured but has no meaning: state what it is, as colour/7 does"
+    for word, meaning in rulebook.vocabulary.meanings.items():
+        fact = Compound("", (word, meaning.quantity))
+        if all(meet(Compound("", args), fact) is None for args, _ in measured):
+            for source in _facts(files, word):
+                yield source, "unobservable", f"no measures({word}, {meaning.quantity}): nothing says how to observe it"
+
+
+def _gives(fluent: Term, quantity: str) -> bool:
+    wanted = "b(type(any,any),any)" if quantity == "type" else f"bn({quantity}(any),any,any,any,any)"
+    return meet(fluent, pattern(wanted)) is not None
+
+
+def _facts(files: Files, word: str) -> Iterator[Source]:
+    """Yield the fact that gives a word its meaning."""
+    for file, statements in files:
+        for statement in statements:
+            symbol = statement.head.atom.symbol if statement.ast_type is ASTType.Rule else None
+            if symbol is None or symbol.ast_type is not ASTType.Function or not symbol.arguments:
+                continue
+            if (symbol.name, len(symbol.arguments)) in OUTPUT and str(symbol.arguments[0]) == word:
+                yield Source.of(file, statement)
+
+
+# ---------------------------------------------------------------- reading the shapes
+
+
+def _all(shapes: Shapes, name: str, arity: int) -> Iterator[tuple[tuple[Term, ...], Source]]:
+    for args, sources in shapes.of(name, arity).items():
+        for source in sources:
+            yield args, source
+
+
+def _functor(term: Term) -> str:
+    return term.name if isinstance(term, Compound) else str(term)
