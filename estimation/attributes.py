@@ -52,6 +52,10 @@ class TypeBelief:
         reported = _softmax(log_likelihood)
         return self._times({t: sum(w * self.likelihood(t, r) for r, w in reported.items()) for t in self.probabilities})
 
+    def fused(self, other: "TypeBelief", prior: "TypeBelief") -> "TypeBelief":
+        """Return the belief of one who knows what both do; `prior` is what is known of any object, and so of both."""
+        return self._times({t: other.prob(t) / p if (p := prior.prob(t)) > 0.0 else 0.0 for t in self.probabilities})
+
     def evidence(self, log_likelihood: dict[str, float]) -> float:
         """Return P(the reading), which is the normaliser of `updated`."""
         reported = _softmax(log_likelihood)

@@ -11,9 +11,10 @@ import numpy as np
 from skolem.estimation.acting import events_of
 from skolem.estimation.checks import check_prior
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.events import Began, Event, Weighed
+from skolem.estimation.events import Began, Consolidated, Event, Looked, Merged, Moved, Split, Weighed, canonical_order
 from skolem.estimation.extrinsics import expected_look
 from skolem.estimation.fluents import disc, prob_in_polygon, rectangle
+from skolem.estimation.identity import Identity
 from skolem.estimation.looking import Look
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
 from skolem.estimation.regions import Regions
@@ -68,6 +69,8 @@ class Belief:
         self._config = config
         self._graph, self._tracks, self._regions = PoseGraph(config), Tracks(config), Regions(config)
         self._events: list[Event] = []
+        self._identity: list[messages.IdentityChange] = []
+        self._unsummed = 0  # drives and looks since the past was summed up
         self._relative: dict[tuple[str, str], tuple[Pose2, Matrix]] = {}
 
     # ------------------------------------------------------------ change
@@ -78,22 +81,45 @@ class Belief:
         for event in events_of(action, result, grasps, self._tracks.prior.noise, self._config):
             self.apply(event)
         if observation.kind == "look":
-            self.apply(Look(observation, self._graph, self._tracks, self._regions, self._config).event())
+            self._look(observation)
         if observation.wrench is not None and (anchor := self.held(observation.wrench.hand)):
             self.apply(Weighed(anchor=anchor, kg=-observation.wrench.force_newton[2] / GRAVITY))
+        self._consolidate()
+
+    def _look(self, observation: messages.Observation) -> None:
+        """Take in a look, and what it says about which anchors are which."""
+        identity = Identity(self._graph, self._tracks, self._config)
+        for split in tuple(identity.splits(canonical_order(observation.detections))):
+            self.apply(split)
+        look = Look(observation, self._graph, self._tracks, self._regions, self._config).event()
+        self.apply(look)
+        for merged in tuple(identity.merges(look)):
+            self.apply(merged)
+
+    def _consolidate(self) -> None:
+        """Sum up the past once it is long."""
+        if self._unsummed >= self._config.consolidate_after:
+            given_up = (anchor for anchor in self._tracks.given_up() if anchor not in self._graph.forgotten)
+            self.apply(Consolidated(forgotten=tuple(given_up)))
 
     def apply(self, event: Event) -> None:
         """Take in one event; one that does not fit raises `InternalError` and changes nothing."""
         self._graph.apply(event)
         self._tracks.apply(event)
         self._regions.apply(event, self._graph, self._tracks)
+        self._identity += _identity(event, self.version)
         self._events.append(event)
+        self._unsummed = 0 if isinstance(event, Consolidated) else self._unsummed + isinstance(event, Moved | Looked)
         self._relative.clear()
 
     @property
     def events(self) -> tuple[Event, ...]:
         """Everything that happened, in order."""
         return tuple(self._events)
+
+    def identity_changes(self) -> tuple[messages.IdentityChange, ...]:
+        """Return which anchors turned out to be of one object, or one to have been two, in order."""
+        return tuple(self._identity)
 
     # ------------------------------------------------------------ questions of the reasoner
 
@@ -238,6 +264,7 @@ class Belief:
             anchors=anchors,
             objects={anchor: self._object(anchor, joint, i + 1) for i, anchor in enumerate(anchors)},
             regions=self._regions.messages(),
+            identity=self.identity_changes(),
             keys=joint.names,
             joint_covariance=tuple(float(v) + 0.0 for v in joint.covariance[np.triu_indices(len(joint.covariance))]),
         )
@@ -265,6 +292,15 @@ class Belief:
 
     def _grasp(self, track: Track) -> Pose4 | None:
         return self._graph.tool_T_object(track.hand) if track.hand else None
+
+
+def _identity(event: Event, version: int) -> tuple[messages.IdentityChange, ...]:
+    """Return what an event says about which anchors are which."""
+    if isinstance(event, Merged):
+        return (messages.IdentityChange(version=version, kind="merged", anchor=event.anchor, other=event.other),)
+    if isinstance(event, Split):
+        return (messages.IdentityChange(version=version, kind="split", anchor=event.anchor),)
+    return ()
 
 
 def _prob(track: Track, meaning: Meaning) -> float:

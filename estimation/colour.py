@@ -72,6 +72,17 @@ class ColourBelief:
         h, s, v = ((1.0 - k) * old for k, old in zip(gain, self.variance, strict=True))
         return replace(self, mean=(hue % 1.0, saturation, value), variance=(h, s, v), seen=True)
 
+    def fused(self, other: "ColourBelief", prior: "ColourBelief") -> "ColourBelief":
+        """Return the belief of one who knows what both do; `prior` is what is known of any object, and so of both."""
+        pooled = [
+            _pooled(m, v, m2, v2, m0, v0, axis == 0)
+            for axis, (m, v, m2, v2, m0, v0) in enumerate(
+                zip(self.mean, self.variance, other.mean, other.variance, prior.mean, prior.variance, strict=True)
+            )
+        ]
+        (h, hv), (s, sv), (v, vv) = pooled
+        return replace(self, mean=(h, s, v), variance=(hv, sv, vv), seen=self.seen or other.seen)
+
     def observation_variance(self) -> tuple[float, float, float]:
         """Return the variance of one observation at the mean."""
         return self.sensor.variance(self.mean[1], self.mean[2])
@@ -100,6 +111,22 @@ class ColourBelief:
         at_least = np.append(np.cumsum(weight[order][::-1])[::-1], 0.0)  # weight of the readings from each on
         needed = (p - ROUNDING) / np.maximum(h[0], ROUNDING)
         return min(1.0, float(h[1] @ at_least[np.searchsorted(belief[order], needed)]))
+
+
+def _pooled(
+    mean: float, variance: float, mean2: float, variance2: float, mean0: float, variance0: float, wraps: bool
+) -> tuple[float, float]:
+    """Return mean and variance of an axis from a belief and from what a second one says beyond the prior of both."""
+    learnt = max(1.0 / max(variance2, LEAST_VARIANCE) - 1.0 / max(variance0, LEAST_VARIANCE), 0.0)
+    if learnt == 0.0:
+        return mean, variance
+    off, back = mean2 - mean, mean0 - mean2
+    if wraps:
+        off, back = math.remainder(off, 1.0), math.remainder(back, 1.0)
+    pull = off / max(variance2, LEAST_VARIANCE) - (off + back) / max(variance0, LEAST_VARIANCE)
+    total = 1.0 / max(variance, LEAST_VARIANCE) + learnt
+    moved = mean + pull / total
+    return (moved % 1.0 if wraps else moved), 1.0 / total
 
 
 def _clip(x: float, low: float = 0.0, high: float = 1.0) -> float:

@@ -10,7 +10,7 @@ class EstimatorConfig:
     Attributes:
         listed: Existence from which an anchor is listed: more likely real than not.
         most_sure: Existence of an object the robot is told of, and the most it believes of any: someone may have taken
-            it. From here two to three misses in plain view unlist it.
+            it. From here two to three misses in plain view unlist it, where the picture shows nothing in its place.
         retired: Existence below which an anchor is no longer matched with detections.
         gate: Squared Mahalanobis distance beyond which a detection is of something else: chi-square, 3 degrees, .999.
         new_per_look: Expected number of real objects per look of which the robot had no anchor.
@@ -26,7 +26,9 @@ class EstimatorConfig:
         hit_sds: Added to it, times the sd that the camera's calibration error gives a place.
         arm_m: A reading this near the axis of an arm has hit the arm, or what is in its hand.
         least_hits: Fewer readings in a region than this are errors at edges.
-        solid_is_thing: P(what was hit in a region is of a type that is looked for), before the detector's word.
+        other_solid: P(something that nothing explains stands where an object is believed to be | it does not exist).
+        other_solids: Expected number of solids above a support that are of no type that is looked for: what was hit in
+            a region is one of them, or one of the objects that were told to be expected there.
         unseen_points: Most points by which a snapshot tells the unseen part of a region.
         typical_range_m: Horizontal distance from which the robot looks at what it examines.
         typical_drop_m: How far below the camera things stand: a head at 1.4 m, a table at 0.7 m.
@@ -48,6 +50,12 @@ class EstimatorConfig:
         pick_fails: P(a pick closes on nothing | the object exists).
         pick_deceives: P(a pick closes on something | the object does not exist).
         closed_gap_m: Gap between the fingers below which they hold nothing.
+        hypotheses: How many are kept when the detections of a look are assigned jointly; 0: pairs are judged alone.
+        place_gate: The same for a place alone: chi-square, 2 degrees, .99.
+        merge_doubt: Probability of standing apart below which two anchors that overlap are of one object.
+        same_sd_m: How far apart the places of two anchors can be that are of one object, each axis.
+        consolidate_after: Drives and looks after which the past is summed up; runs of the usual length never are.
+        coupled: Variables that one factor may couple when it is; beyond, matrices grow too large to work with often.
         least_sd: Floor of every sd that enters the graph, metres or radians: keeps the information matrix well
             conditioned; a tenth of a millimetre is below what any sensor resolves.
     """
@@ -68,7 +76,8 @@ class EstimatorConfig:
     hit_sds: float = 2.5
     arm_m: float = 0.2
     least_hits: int = 4
-    solid_is_thing: float = 0.9
+    other_solid: float = 0.1
+    other_solids: float = 0.05
     unseen_points: int = 64
     typical_range_m: float = 1.0
     typical_drop_m: float = 0.7
@@ -90,4 +99,10 @@ class EstimatorConfig:
     pick_fails: float = 0.1
     pick_deceives: float = 0.01
     closed_gap_m: float = 0.005
+    hypotheses: int = 20
+    place_gate: float = 9.210
+    merge_doubt: float = 0.01
+    same_sd_m: float = 1e-3
+    consolidate_after: int = 100
+    coupled: int = 30
     least_sd: float = 1e-4

@@ -69,6 +69,9 @@ class Missed(Message):
 
     anchor: Anchor
     p_reported: Probability = Field(description="P(the look reports it | it exists)")
+    solid: Probability = Field(
+        default=0.0, description="P(it is in sight, and the picture shows something unexplained where it should be)"
+    )
 
 
 class Looked(Message):
@@ -121,7 +124,36 @@ class Weighed(Message):
     kg: float
 
 
-Event = Annotated[Began | Posed | Moved | Looked | Picked | PickFailed | Placed | Weighed, Field(discriminator="kind")]
+class Merged(Message):
+    """Two anchors turned out to be of one object; the first keeps its name."""
+
+    kind: Literal["merged"] = "merged"
+    anchor: Anchor
+    other: Anchor
+    turn: float = Field(description="heading of the other as seen from the first, for which both look alike")
+    sd_rad: float = Field(description="of that heading")
+
+
+class Split(Message):
+    """An anchor turned out to have been two objects, so that what was seen of it may have been seen of either."""
+
+    kind: Literal["split"] = "split"
+    anchor: Anchor
+    sd_m: float = Field(description="how far from where it was believed the object may be, each axis")
+    sd_rad: float
+
+
+class Consolidated(Message):
+    """The past was summed up: nothing will be asked of former places of the base, of former grasps and places."""
+
+    kind: Literal["consolidated"] = "consolidated"
+    forgotten: tuple[Anchor, ...] = Field(default=(), description="anchors given up since")
+
+
+Event = Annotated[
+    Began | Posed | Moved | Looked | Picked | PickFailed | Placed | Weighed | Merged | Split | Consolidated,
+    Field(discriminator="kind"),
+]
 EVENT: TypeAdapter[Event] = TypeAdapter(Event)
 
 

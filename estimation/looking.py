@@ -7,15 +7,18 @@ import numpy as np
 
 from skolem.estimation.association import MAX_LOG_ODDS, Match, Measured, assign, match, with_heading_near
 from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.coverage import Array, Mask
 from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.events import Looked, Missed, Sighting, canonical_order
 from skolem.estimation.extrinsics import camera_covariance, own_covariance, sighting_z_sd
 from skolem.estimation.fluents import prob_in_polygon, rectangle
+from skolem.estimation.joint_association import Pair, Scene, assign_jointly, is_ambiguous
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, flat, symmetric, turned, upper
 from skolem.estimation.tracks import Tracks
-from skolem.estimation.visibility import prob_visible
+from skolem.estimation.unexplained import near_arms
+from skolem.estimation.visibility import outline_radius, prob_solid, prob_visible
 from skolem.traces.messages import Detection, NoiseModel, ObjectType, Observation, Pose2
 
 LIKELY = 0.5  # a new object stands on the table that more likely than not is under it
@@ -57,7 +60,7 @@ class Look:
             ]
         )
         unmatched = np.array([self._unmatched(d) for d in self._detections])
-        columns = assign(scores.reshape(len(self._detections), len(self._expected)), unmatched)
+        columns = self._assigned(scores.reshape(len(self._detections), len(self._expected)), matches, unmatched)
         met = [column is not None or self._can_be_new(d) for d, column in zip(self._detections, columns, strict=True)]
         names = iter(self._tracks.new_names(columns.count(None)))
         sightings = tuple(
@@ -67,7 +70,7 @@ class Look:
             for detection, column, row, keep in zip(self._detections, columns, matches, met, strict=True)
             if keep
         )
-        missed = tuple(self._missed(e) for i, e in enumerate(self._expected) if i not in columns)
+        missed = tuple(self._missed(e, sightings) for i, e in enumerate(self._expected) if i not in columns)
         return Looked(
             camera_covariance=upper(self._camera_covariance),
             sightings=sightings,
@@ -77,9 +80,13 @@ class Look:
 
     def _table(self, detection: Detection) -> ObjectType | None:
         """Return the type of a detected table, None for a thing."""
-        likelihood = detection.type_log_likelihood
-        kind = self._tracks.prior.types[min(likelihood, key=lambda name: (-likelihood[name], name))]
+        kind = self._seen_as(detection)
         return kind if kind.shape == "table" else None
+
+    def _seen_as(self, detection: Detection) -> ObjectType:
+        """Return the type that a detection looks most like."""
+        likelihood = detection.type_log_likelihood
+        return self._tracks.prior.types[min(likelihood, key=lambda name: (-likelihood[name], name))]
 
     def _height(self, detection: Detection) -> float:
         """Return at which height a detected thing stands, or a table was seen."""
@@ -124,6 +131,34 @@ class Look:
             rate = self._noise.false_per_look + self._config.new_per_look
             kinds = sum(kind.graspable for kind in types)
         return math.log(rate / (self._config.view_area_m2 * math.tau * kinds))
+
+    def _assigned(self, scores: Array, matches: list[list[Match]], unmatched: Array) -> tuple[int | None, ...]:
+        """Return which detection is of which anchor: jointly where one could be of several, as it then matters."""
+        if not self._config.hypotheses or not is_ambiguous(scores):
+            return assign(scores, unmatched)
+        columns = np.flatnonzero(np.isfinite(scores).any(axis=0)).tolist()
+        pairs = [
+            [
+                Pair(j, self._own(detection, self._expected[c]), float(row[c]) - found[c].log_density)
+                for j, c in enumerate(columns)
+                if np.isfinite(row[c])
+            ]
+            for detection, row, found in zip(self._detections, scores, matches, strict=True)
+        ]
+        chosen = assign_jointly(self._scene(columns), pairs, unmatched, self._config.gate, self._config.hypotheses)
+        return tuple(None if j is None else columns[j] for j in chosen)
+
+    def _own(self, detection: Detection, expected: Expected) -> Measured:
+        """Return a detected pose with the part of its covariance that it shares with no other."""
+        measured = self._measured(detection, expected)
+        return Measured(measured.base_T_object, own_covariance(measured, self._camera_covariance, self._config))
+
+    def _scene(self, columns: list[int]) -> Scene:
+        """Return the joint belief on the base as the camera has it, and on some of the expected anchors."""
+        joint = self._graph.joint((BASE, *(self._expected[c].anchor for c in columns)))
+        covariance = joint.covariance.copy()
+        covariance[:3, :3] += self._camera_covariance
+        return Scene(joint.world_T_body, covariance)
 
     # ------------------------------------------------------------ outcomes
 
@@ -205,9 +240,24 @@ class Look:
                 best, best_probability = name, probability
         return best
 
-    def _missed(self, expected: Expected) -> Missed:
+    def _missed(self, expected: Expected, sightings: tuple[Sighting, ...]) -> Missed:
         track, kind = self._tracks[expected.anchor], self._tracks.kind(expected.anchor)
         if self._image is None or kind.shape == "table":
             return Missed(anchor=expected.anchor, p_reported=0.0)
-        seen = prob_visible(self._image, expected.base_T_object, expected.covariance, track.z, kind, self._config)
-        return Missed(anchor=expected.anchor, p_reported=min(1.0, seen * self._noise.found))
+        there = (self._image, expected.base_T_object, expected.covariance, track.z, kind, self._config)
+        solid = prob_solid(*there, lambda ends: self._explained(ends, expected.anchor, sightings))
+        p_reported = min(1.0, prob_visible(*there) * self._noise.found)
+        return Missed(anchor=expected.anchor, p_reported=p_reported, solid=min(1.0, solid))
+
+    def _explained(self, ends: Array, missed: str, sightings: tuple[Sighting, ...]) -> Mask:
+        """Return which readings, shape (n, 3), base frame, have hit an arm, something seen, or another thing known."""
+        explained = near_arms(ends, self._graph.robot, self._config.arm_m)
+        seen = {sighting.anchor: sighting for sighting in sightings}
+        known = [name for name in self._tracks.listed() if name not in seen and name != missed]
+        others = [(flat(s.detection.base_T_object), self._seen_as(s.detection)) for s in sightings]
+        others += [(self._graph.mean(BASE, a), self._tracks.kind(a)) for a in known if not self._tracks[a].hand]
+        for place, kind in others:
+            if kind.shape != "table":
+                beside = np.hypot(*(ends[:, :2] - place[:2]).T)
+                explained |= beside <= outline_radius(kind) + self._config.depth_margin_m
+        return explained

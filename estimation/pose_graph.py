@@ -7,18 +7,35 @@ The event log is the source of truth and the incremental smoother a cache over i
     o(anchor, n)    world_T_object; a new one each time the object was moved
     g(k)            tool_T_object of the k-th pick
 
+A consolidation eliminates all but the last of each.
+
 Covariances are in the tangent space of the mean, (x, y, theta) in the body's own frame.
 """
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from copy import copy
+from dataclasses import dataclass, field
 
 import gtsam
 import numpy as np
 
 from skolem.estimation import arm
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.events import Began, Event, Looked, Moved, Picked, PickFailed, Placed, Posed, Weighed
+from skolem.estimation.consolidation import exchange
+from skolem.estimation.events import (
+    Began,
+    Consolidated,
+    Event,
+    Looked,
+    Merged,
+    Moved,
+    Picked,
+    PickFailed,
+    Placed,
+    Posed,
+    Split,
+    Weighed,
+)
 from skolem.estimation.se2 import Matrix, adjoint, between, compose, flat, inverse, raised, relative_jacobian, symmetric
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
@@ -91,26 +108,57 @@ def _tuple(pose: gtsam.Pose2) -> Pose2:
     return (pose.x(), pose.y(), pose.theta())
 
 
+@dataclass(slots=True)
+class State:
+    """Everything that events change.
+
+    Attributes:
+        isam: The smoother.
+        robot: What the encoders last said.
+        noise: Sds of a grasp, metres and radians.
+        base: Key of where the base is now.
+        entry: Key of where it was at the last consolidation, or at the start.
+        moves, looks, picks: How many there were.
+        numbers: Of each anchor.
+        epochs: How often each anchor was moved.
+        grasps: By the hand that holds something.
+        forgotten: Where anchors that were given up were last believed.
+    """
+
+    isam: gtsam.ISAM2
+    robot: RobotState | None = None
+    noise: tuple[float, float] = (0.0, 0.0)
+    base: int = field(default_factory=lambda: int(gtsam.symbol("x", 0)))
+    entry: int = field(default_factory=lambda: int(gtsam.symbol("x", 0)))
+    moves: int = 0
+    looks: int = 0
+    picks: int = 0
+    numbers: dict[str, int] = field(default_factory=dict)
+    epochs: dict[str, int] = field(default_factory=dict)
+    grasps: dict[Hand, Grasp] = field(default_factory=dict)
+    forgotten: dict[str, Pose2] = field(default_factory=dict)
+
+    def copied(self) -> "State":
+        """Return a state that changes of this one leave alone."""
+        fields = {name: copy(getattr(self, name)) for name in self.__slots__ if name != "isam"}
+        return State(gtsam.ISAM2(self.isam), **fields)
+
+
+def _empty() -> State:
+    parameters = gtsam.ISAM2Params()
+    parameters.setRelinearizeThreshold(RELINEARIZE_FROM)
+    parameters.relinearizeSkip = 1
+    parameters.findUnusedFactorSlots = True
+    return State(gtsam.ISAM2(parameters))
+
+
 class PoseGraph:
     """Where the base and the objects are."""
 
     def __init__(self, config: EstimatorConfig) -> None:
         self._config = config
-        self._log: list[Event] = []
-        self._reset()
-
-    def _reset(self) -> None:
-        parameters = gtsam.ISAM2Params()
-        parameters.setRelinearizeThreshold(RELINEARIZE_FROM)
-        parameters.relinearizeSkip = 1
-        self._isam = gtsam.ISAM2(parameters)
-        self._robot: RobotState | None = None
-        self._noise = (0.0, 0.0)  # of a grasp, metres and radians
-        self._base = gtsam.symbol("x", 0)
-        self._moves = self._looks = self._picks = 0
-        self._numbers: dict[str, int] = {}
-        self._epochs: dict[str, int] = {}
-        self._grasps: dict[Hand, Grasp] = {}
+        self._start, self._log = _empty(), list[Event]()  # the present is `_start` and then `_log`
+        self._now = self._start.copied()
 
     # ------------------------------------------------------------ change
 
@@ -123,16 +171,26 @@ class PoseGraph:
         try:
             self._apply(event)
         except (RuntimeError, KeyError) as error:
-            self.rebuild(tuple(self._log))
+            self._replay(tuple(self._log))
             raise InternalError(f"event '{event.kind}' does not fit the pose graph: {error}") from error
-        self._log.append(event)
+        self._keep(event)
 
     def rebuild(self, events: Iterable[Event]) -> None:
         """Forget everything and take in `events`."""
-        self._reset()
-        self._log = []
+        self._start = _empty()
+        self._replay(events)
+
+    def _replay(self, events: Iterable[Event]) -> None:
+        self._now, self._log = self._start.copied(), []
         for event in events:
             self._apply(event)
+            self._keep(event)
+
+    def _keep(self, event: Event) -> None:
+        """Remember an event for a replay; what was before a consolidation is not replayed."""
+        if isinstance(event, Consolidated):
+            self._start, self._log = self._now.copied(), []
+        else:
             self._log.append(event)
 
     def _apply(self, event: Event) -> None:
@@ -140,7 +198,7 @@ class PoseGraph:
             case Began():
                 self._begin(event)
             case Posed():
-                self._robot = event.robot
+                self._now.robot = event.robot
             case Moved():
                 self._move(event)
             case Looked():
@@ -148,18 +206,24 @@ class PoseGraph:
             case Picked():
                 self._pick(event)
             case PickFailed():
-                self._push(event)
+                self._loosen(event.anchor, self._config.pushed_sd_m, self._config.pushed_sd_rad)
             case Placed():
                 self._place(event)
             case Weighed():
                 self._key(event.anchor)
+            case Merged():
+                self._merge(event)
+            case Split():
+                self._loosen(event.anchor, event.sd_m, event.sd_rad)
+            case Consolidated():
+                self._consolidate(event)
 
     def _begin(self, event: Began) -> None:
         prior = event.prior
-        self._robot = prior.robot
-        self._noise = (self._sd(prior.noise.grasp_sd_m), self._sd(prior.noise.grasp_sd_rad))
-        sds = {self._base: _sds(self._sd(prior.base_sd_xy_m), self._sd(prior.base_sd_theta_rad))}
-        values = {self._base: prior.world_T_base}
+        self._now.robot = prior.robot
+        self._now.noise = (self._sd(prior.noise.grasp_sd_m), self._sd(prior.noise.grasp_sd_rad))
+        sds = {self._now.base: _sds(self._sd(prior.base_sd_xy_m), self._sd(prior.base_sd_theta_rad))}
+        values = {self._now.base: prior.world_T_base}
         for item in prior.objects:
             key = self._introduce(item.anchor)
             sds[key] = _sds(self._sd(item.sd_xy_m), self._sd(item.sd_theta_rad))
@@ -167,23 +231,23 @@ class PoseGraph:
         self._update([gtsam.PriorFactorPose2(key, gtsam.Pose2(*values[key]), sds[key]) for key in values], values)
 
     def _move(self, event: Moved) -> None:
-        start = self._base
-        self._moves += 1
-        end = gtsam.symbol("x", self._moves)
+        start = self._now.base
+        self._now.moves += 1
+        end = gtsam.symbol("x", self._now.moves)
         noise = _sds(self._sd(event.sd_m), self._sd(event.sd_rad))
         factor = gtsam.BetweenFactorPose2(start, end, gtsam.Pose2(*event.start_T_end), noise)
         self._update([factor], {end: compose(self._at(start), event.start_T_end)})
-        self._base = end
+        self._now.base = end
 
     def _look(self, event: Looked) -> None:
         for miss in event.missed:
             self._key(miss.anchor)
         if not event.sightings:
             return
-        self._looks += 1
-        camera = gtsam.symbol("c", self._looks)
-        values = {camera: self._at(self._base)}
-        factors = [self._between(self._base, camera, (0.0, 0.0, 0.0), symmetric(event.camera_covariance))]
+        self._now.looks += 1
+        camera = gtsam.symbol("c", self._now.looks)
+        values = {camera: self._at(self._now.base)}
+        factors = [self._between(self._now.base, camera, (0.0, 0.0, 0.0), symmetric(event.camera_covariance))]
         for sighting in event.sightings:
             if sighting.new:
                 key = self._introduce(sighting.anchor)
@@ -194,47 +258,72 @@ class PoseGraph:
 
     def _pick(self, event: Picked) -> None:
         item = self._key(event.anchor)
-        self._picks += 1
-        grasp = gtsam.symbol("g", self._picks)
+        self._now.picks += 1
+        grasp = gtsam.symbol("g", self._now.picks)
         planned, capture = flat(event.tool_T_object), _sds(self._config.capture_sd_m, self._config.capture_sd_rad)
         base_T_tool = flat(event.base_T_tool)
-        tool_T_object = between(base_T_tool, between(self._at(self._base), self._at(item)))
+        tool_T_object = between(base_T_tool, between(self._at(self._now.base), self._at(item)))
         factors = [
-            grasp_factor(self._base, item, grasp, base_T_tool, self._noise),
+            grasp_factor(self._now.base, item, grasp, base_T_tool, self._now.noise),
             gtsam.PriorFactorPose2(grasp, gtsam.Pose2(*planned), capture),
         ]
         self._update(factors, {grasp: tool_T_object})
-        self._grasps[event.hand] = Grasp(grasp, event.anchor, event.tool_T_object[2])
+        self._now.grasps[event.hand] = Grasp(grasp, event.anchor, event.tool_T_object[2])
 
-    def _push(self, event: PickFailed) -> None:
-        before = self._key(event.anchor)
-        after = self._next_epoch(event.anchor)
-        noise = _sds(self._config.pushed_sd_m, self._config.pushed_sd_rad)
-        self._update([gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(), noise)], {after: self._at(before)})
+    def _loosen(self, anchor: str, sd_m: float, sd_rad: float) -> None:
+        """Let an object have been moved about where it was."""
+        before = self._key(anchor)
+        after = self._next_epoch(anchor)
+        factor = gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(), _sds(sd_m, sd_rad))
+        self._update([factor], {after: self._at(before)})
 
     def _place(self, event: Placed) -> None:
-        grasp = self._grasps.pop(event.hand)
+        grasp = self._now.grasps.pop(event.hand)
         after, base_T_tool = self._next_epoch(grasp.anchor), flat(event.base_T_tool)
         sds = (self._sd(event.sd_m), self._sd(event.sd_rad))
-        start = compose(self._at(self._base), compose(base_T_tool, self._at(grasp.key)))
-        self._update([grasp_factor(self._base, after, grasp.key, base_T_tool, sds)], {after: start})
+        start = compose(self._at(self._now.base), compose(base_T_tool, self._at(grasp.key)))
+        self._update([grasp_factor(self._now.base, after, grasp.key, base_T_tool, sds)], {after: start})
+
+    def _merge(self, event: Merged) -> None:
+        into, other = self._key(event.anchor), self._key(event.other)
+        turn = gtsam.Pose2(0.0, 0.0, event.turn)
+        self._update([gtsam.BetweenFactorPose2(into, other, turn, _sds(self._config.same_sd_m, event.sd_rad))], {})
+
+    def _consolidate(self, event: Consolidated) -> None:
+        """Eliminate all variables but the present base, grasp and places of things."""
+        now = self._now
+        now.forgotten |= {anchor: self._at(self._key(anchor)) for anchor in event.forgotten}
+        held = {grasp.anchor for grasp in now.grasps.values()}
+        last = {self._key(anchor) for anchor in now.numbers.keys() - now.forgotten.keys() - held}
+        kept = last | {now.base} | {grasp.key for grasp in now.grasps.values()}
+        gone = frozenset(now.isam.getLinearizationPoint().keys()) - kept
+        if gone:
+            entry = now.entry if now.entry in gone else now.base
+            change = exchange(now.isam, gone, entry, self._config.coupled)
+            self._update(change.added, {}, change.removed)
+        now.entry = now.base
 
     # ------------------------------------------------------------ questions
 
     @property
     def smoother(self) -> gtsam.ISAM2:
         """The cache itself, for inspection; do not change it."""
-        return self._isam
+        return self._now.isam
+
+    @property
+    def forgotten(self) -> Collection[str]:
+        """Anchors that were given up and of which nothing but the last place is kept."""
+        return self._now.forgotten.keys()
 
     @property
     def robot(self) -> RobotState:
         """What the encoders last said."""
-        assert self._robot is not None, "the first event is Began"
-        return self._robot
+        assert self._now.robot is not None, "the first event is Began"
+        return self._now.robot
 
     def tool_T_object(self, hand: Hand) -> Pose4:
         """Return the mean grasp of a hand that holds something."""
-        grasp = self._grasps[hand]
+        grasp = self._now.grasps[hand]
         return raised(self._at(grasp.key), grasp.z)
 
     def base_T_held(self, hand: Hand) -> Pose4:
@@ -250,7 +339,7 @@ class PoseGraph:
             InternalError: If there is no such anchor.
         """
         names = tuple(names)
-        keys, means, terms = [self._base], [], []
+        keys, means, terms = [self._now.base], [], []
         for name in names:
             mean, key, of_base = self._as_variable(name)
             means.append(mean)
@@ -268,13 +357,15 @@ class PoseGraph:
     def _as_variable(self, name: str) -> tuple[Pose2, int | None, Matrix | None]:
         """Return world_T_body, the key whose tangent adds to its own, and how the base's tangent does, (3, 3)."""
         if name == BASE:
-            return self._at(self._base), None, np.eye(3)
-        for hand, grasp in self._grasps.items():
+            return self._at(self._now.base), None, np.eye(3)
+        for hand, grasp in self._now.grasps.items():
             if grasp.anchor == name:
                 base_T_object = flat(self.base_T_held(hand))
-                return compose(self._at(self._base), base_T_object), grasp.key, adjoint(inverse(base_T_object))
-        if name not in self._numbers:
-            raise InternalError(f"no anchor '{name}'; there are: {', '.join(self._numbers)}")
+                return compose(self._at(self._now.base), base_T_object), grasp.key, adjoint(inverse(base_T_object))
+        if name in self._now.forgotten:
+            return self._now.forgotten[name], None, None
+        if name not in self._now.numbers:
+            raise InternalError(f"no anchor '{name}'; there are: {', '.join(self._now.numbers)}")
         return self._at(self._key(name)), self._key(name), None
 
     def relative(self, a: str, b: str) -> tuple[Pose2, Matrix]:
@@ -291,22 +382,22 @@ class PoseGraph:
     # ------------------------------------------------------------ keys and values
 
     def _introduce(self, anchor: str) -> int:
-        self._numbers[anchor] = len(self._numbers)
-        self._epochs[anchor] = 0
+        self._now.numbers[anchor] = len(self._now.numbers)
+        self._now.epochs[anchor] = 0
         return self._key(anchor)
 
     def _key(self, anchor: str) -> int:
-        return int(gtsam.symbol("o", self._numbers[anchor] * EPOCHS + self._epochs[anchor]))
+        return int(gtsam.symbol("o", self._now.numbers[anchor] * EPOCHS + self._now.epochs[anchor]))
 
     def _next_epoch(self, anchor: str) -> int:
-        self._epochs[anchor] += 1
+        self._now.epochs[anchor] += 1
         return self._key(anchor)
 
     def _sd(self, sd: float) -> float:
         return max(sd, self._config.least_sd)
 
     def _at(self, key: int) -> Pose2:
-        return _tuple(self._isam.calculateEstimatePose2(key))
+        return _tuple(self._now.isam.calculateEstimatePose2(key))
 
     def _between(self, a: int, b: int, a_T_b: Pose2, covariance: Matrix) -> gtsam.BetweenFactorPose2:
         floored = covariance + self._config.least_sd**2 * np.eye(3)
@@ -315,15 +406,18 @@ class PoseGraph:
     def _covariance(self, keys: list[int]) -> Matrix:
         """Return the joint covariance, blocks in the order of `keys` (all different)."""
         if len(keys) == 1:
-            return np.asarray(self._isam.marginalCovariance(keys[0]))
-        return np.asarray(self._isam.jointMarginalCovariance(keys).fullMatrix())
+            return np.asarray(self._now.isam.marginalCovariance(keys[0]))
+        return np.asarray(self._now.isam.jointMarginalCovariance(keys).fullMatrix())
 
-    def _update(self, factors: Iterable[gtsam.NonlinearFactor], values: Mapping[int, Pose2]) -> None:
+    def _update(
+        self, factors: Iterable[gtsam.NonlinearFactor], values: Mapping[int, Pose2], removed: Iterable[int] = ()
+    ) -> None:
         graph, start = gtsam.NonlinearFactorGraph(), gtsam.Values()
         for factor in factors:
             graph.add(factor)
         for key, pose in values.items():
             start.insert(key, gtsam.Pose2(*pose))
-        self._isam.update(graph, start)
+        self._now.isam.update(graph, start, list(removed))
         for _ in range(SETTLING_UPDATES):
-            self._isam.update()
+            if not self._now.isam.update().getVariablesRelinearized():
+                break

@@ -20,8 +20,11 @@ from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.se2 import raised
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import Unexplained, near_arms
+from skolem.estimation.visibility import prob_visible
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import ObjectType, Pose2, Pose4, PriorRegion, RegionBelief, RobotState
+
+EXACTLY = np.zeros((3, 3))  # the covariance of a place that is given
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +77,7 @@ class Regions:
         sizes = (kind.size_m for kind in tracks.prior.types.values() if kind.graspable)
         window = grid.window(min(sizes, key=lambda size: (math.prod(size), size)))
         nowhere = np.zeros(len(grid.centres), dtype=bool)
-        return Region(told, x * y, Coverage(grid, window, nowhere), Unexplained(nowhere))
+        return Region(told, x * y, Coverage(grid, window, nowhere), Unexplained.nothing(grid))
 
     def _looked(self, region: Region, image: DepthImage, sighted: Set[str], graph: PoseGraph, tracks: Tracks) -> Region:
         """Return a region after a look; its support counts as being where it is on average."""
@@ -82,20 +85,24 @@ class Regions:
         base_T_top = raised(graph.mean(BASE, support), tracks.top(support))
         believed = [s for s in self._standing(support, graph, tracks) if tracks[s.anchor].exists >= config.listed]
         known = [s for s in believed if s.anchor in sighted or not s.kind.graspable]
-        asked = np.flatnonzero(~region.coverage.known | region.unexplained.hit)
+        asked = np.flatnonzero(~region.coverage.known | (region.unexplained.hits > 0))
         beyond = np.full(len(grid.centres), -np.inf)
         beyond[asked] = _room_beyond(image, _placed(grid.centres[asked], base_T_top), config.sight_m)
         filled = _inside(grid, known, config.voxel_m / 2.0)
         explained = _inside(grid, believed, self._hit_margin_m)
-        hit = self._hit(grid, image, base_T_top, graph.robot) * ~explained
+        hits = self._hits(grid, image, base_T_top, graph.robot) * ~explained
+        kind = tracks.prior.types[tracks.stranger().types.most_likely()]
+
+        def p_reported(top_middle: Array) -> float:
+            x, y, _ = _placed(top_middle[None], base_T_top)[0]
+            return self._found * prob_visible(image, (x, y, 0.0), EXACTLY, base_T_top[2], kind, config)
+
+        is_thing = region.told.expected_objects / (region.told.expected_objects + config.other_solids)
         return Region(
             region.told,
             region.area_m2,
             region.coverage.with_known((beyond >= -config.voxel_margin_m) | filled),
-            region.unexplained.after(
-                hit > 0 if hit.sum() >= config.least_hits else np.zeros_like(filled),
-                explained | (beyond >= config.voxel_m),
-            ),
+            region.unexplained.after(hits, explained | (beyond >= config.voxel_m), grid, p_reported, is_thing),
         )
 
     def _standing(self, support: str, graph: PoseGraph, tracks: Tracks) -> list[Standing]:
@@ -110,7 +117,7 @@ class Regions:
                 found.append(Standing(anchor, kind, top_T_object, track.z - tracks.top(support)))
         return found
 
-    def _hit(self, grid: Grid, image: DepthImage, base_T_top: Pose4, robot: RobotState) -> NDArray[np.int64]:
+    def _hits(self, grid: Grid, image: DepthImage, base_T_top: Pose4, robot: RobotState) -> NDArray[np.int64]:
         """Return how many readings ended in each voxel, shape (n,), on things above the support but the own arms."""
         hits = _seen_from(base_T_top, image.hits)
         kept = np.flatnonzero(grid.contains(hits) & (hits[:, 2] >= self._hit_margin_m))
@@ -149,7 +156,7 @@ class Regions:
         return min(at.coverage.contents, 1.0 - at.coverage.hidden) * (1.0 - self._overlooked(at))
 
     def _overlooked(self, at: Region) -> float:
-        return at.unexplained.prob_overlooked(self._config, self._found)
+        return at.unexplained.prob_overlooked(at.coverage.grid, self._config)
 
     def unmet_per_m2(self, support: str, support_T_object: Pose2) -> float:
         """Return how many objects nobody has met are expected per square metre around a place on a support."""
@@ -166,7 +173,7 @@ class Regions:
 
     def _message(self, name: str) -> RegionBelief:
         at = self[name]
-        points = at.coverage.unknown_points(self._config.unseen_points, also=at.unexplained.hit)
+        points = at.coverage.unknown_points(self._config.unseen_points, also=at.unexplained.hits > 0)
         points_mm = np.rint(1000.0 * points).astype(int).tolist()
         return RegionBelief(
             support=at.told.support,

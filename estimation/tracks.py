@@ -6,10 +6,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from skolem.estimation.association import MAX_LOG_ODDS
-from skolem.estimation.attributes import TypeBelief, after_evidence, after_miss
+from skolem.estimation.attributes import TypeBelief, after_evidence
 from skolem.estimation.colour import ColourBelief, ColourSensor
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.events import Began, Event, Looked, Picked, PickFailed, Placed, Sighting, Weighed
+from skolem.estimation.events import (
+    Began,
+    Event,
+    Looked,
+    Merged,
+    Missed,
+    Picked,
+    PickFailed,
+    Placed,
+    Sighting,
+    Split,
+    Weighed,
+)
 from skolem.estimation.weight import GRAVITY, WeightBelief, WeightSensor
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Hand, ObjectType, Prior, PriorObject
@@ -28,6 +40,7 @@ class Track:
         z_variance: Square metres.
         support: What it rests on; None: the floor, unknown, or held.
         hand: Which hand holds it.
+        otherwise: P(something else stands where it should | it does not exist).
     """
 
     exists: float
@@ -37,6 +50,7 @@ class Track:
     z: float
     z_variance: float
     support: str | None
+    otherwise: float
     hand: Hand | None = None
 
 
@@ -83,6 +97,10 @@ class Tracks:
         """Return the anchors that have not been given up."""
         return tuple(name for name, track in self._tracks.items() if track.exists >= self._config.retired)
 
+    def given_up(self) -> tuple[str, ...]:
+        """Return the anchors that have been given up."""
+        return tuple(name for name, track in self._tracks.items() if track.exists < self._config.retired)
+
     def detectable(self) -> tuple[str, ...]:
         """Return the anchors that a detection may be of: not given up, not held, of a type that is reported."""
         loose = [name for name in self.possible() if self._tracks[name].hand is None]
@@ -123,14 +141,54 @@ class Tracks:
             case Weighed():
                 track = self[event.anchor]
                 self._tracks[event.anchor] = replace(track, weight=track.weight.updated(event.kg))
+            case Merged():
+                self._merge(event)
+            case Split():
+                self._tracks[event.anchor] = self._split(event.anchor)
+
+    def _split(self, anchor: str) -> Track:
+        """Return the track of an anchor of which nothing is known any more but that it exists, and at which height."""
+        track, fresh = self[anchor], self._unseen(anchor)
+        return replace(fresh, exists=track.exists, z=track.z, z_variance=track.z_variance, support=track.support)
+
+    def _merge(self, event: Merged) -> None:
+        """Give the first anchor what is known of the other, beyond what is of any, and give the other up."""
+        track, other, stranger = self[event.anchor], self[event.other], self.stranger()
+        gain = track.z_variance / (track.z_variance + other.z_variance)
+        merged = replace(
+            track,
+            types=track.types.fused(other.types, stranger.types),
+            colour=track.colour.fused(other.colour, stranger.colour),
+            weight=track.weight.fused(other.weight),
+            z=track.z + gain * (other.z - track.z),
+            z_variance=(1.0 - gain) * track.z_variance,
+            support=track.support or other.support,
+        )
+        self._tracks |= {event.anchor: merged, event.other: replace(other, exists=0.0)}
+        odds = other.exists / (1.0 - other.exists)
+        self._tracks[event.anchor] = self._evidence(event.anchor, max(odds, 1.0))
+
+    def _unseen(self, anchor: str) -> Track:
+        """Return what was believed of an anchor before it was first seen."""
+        told = next((item for item in self.prior.objects if item.anchor == anchor), None)
+        return self._told(told) if told else self.stranger()
 
     def _look(self, event: Looked) -> None:
         for sighting in event.sightings:
             track = self._new(sighting) if sighting.new else self._seen(sighting)
             self._tracks[sighting.anchor] = track
         for miss in event.missed:
-            track = self[miss.anchor]
-            self._tracks[miss.anchor] = replace(track, exists=after_miss(track.exists, miss.p_reported))
+            self._tracks[miss.anchor] = self._missed(miss)
+
+    def _missed(self, miss: Missed) -> Track:
+        """Return the track of an anchor after silence, and after what the picture shows in its place.
+
+        Something solid there is the object or something else; if it was seen already, it says nothing new.
+        """
+        track = self[miss.anchor]
+        without = 1.0 - miss.solid * (1.0 - track.otherwise)
+        exists = after_evidence(track.exists, (1.0 - miss.p_reported) / without)
+        return replace(track, exists=min(exists, self._config.most_sure), otherwise=track.otherwise / without)
 
     def _told(self, item: PriorObject) -> Track:
         colour = item.colour or self.prior.colour
@@ -187,7 +245,8 @@ class Tracks:
         belief = TypeBelief(normal, self._reported(), noise.type_right)
         wrist = WeightSensor(noise.wrist_sd_newton / GRAVITY, noise.wrist_drift_newton / GRAVITY)
         weight = WeightBelief(*log_weight, wrist)
-        return Track(exists, belief, colour, weight, z, self._config.height_sd_m**2, support)
+        z_variance, otherwise = self._config.height_sd_m**2, self._config.other_solid
+        return Track(exists, belief, colour, weight, z, z_variance, support, otherwise)
 
     def _reported(self) -> tuple[str, ...]:
         """Return the types that the detector looks for."""
@@ -210,7 +269,14 @@ class Tracks:
     def _placed(self, event: Placed) -> Track:
         track = self[event.anchor]
         z = event.base_T_tool[2] + event.tool_z_object if event.support is None else self.top(event.support)
-        return replace(track, hand=None, support=event.support, z=z, z_variance=self._config.height_sd_m**2)
+        return replace(
+            track,
+            hand=None,
+            support=event.support,
+            z=z,
+            z_variance=self._config.height_sd_m**2,
+            otherwise=self._config.other_solid,
+        )
 
     def _evidence(self, anchor: str, odds: float) -> Track:
         """Return the track after something `odds` times likelier if the object exists."""

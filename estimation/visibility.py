@@ -1,4 +1,10 @@
-"""Whether a depth image would have shown an object: what makes a missed detection evidence."""
+"""Whether a look would have reported an object, and whether it shows that something stands where the object should.
+
+The first makes silence evidence against an object, the second says how much: where the picture shows something solid
+of which the detector said nothing, it is likelier to have overlooked a thing than where the picture shows the wall.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +15,10 @@ from skolem.estimation.se2 import turned
 from skolem.traces.messages import ObjectType, Pose2
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 HEIGHTS = (0.2, 0.5, 0.8)  # of sampled points, shares of the object's height
 SIDES = (-0.6, 0.0, 0.6)  # of the object's radius, across the line of sight
+ENDS = ((0.0, 1.0), (-1.0, 1.0))  # the same for the corners, which must be in the image
 NODES = (-(3.0**0.5), 0.0, 3.0**0.5)  # Gauss-Hermite, exact for polynomials up to degree 5
 WEIGHTS = (1, 4, 1)  # in sixths
 MIN_KNOWN = 0.5  # share of the points whose depth must have come back
@@ -31,14 +39,36 @@ def prob_visible(
         kind: Shape and size.
         config: Reads `seen_share`, `depth_margin_m` and `sight_m`.
     """
-    spread, axes = np.linalg.eigh(turned(covariance, base_T_object[2])[:2, :2])
-    steps = axes * np.sqrt(np.maximum(spread, 0.0))
-    total = 0
-    for i, wi in zip(NODES, WEIGHTS, strict=True):
-        for j, wj in zip(NODES, WEIGHTS, strict=True):
-            place = np.array([*(np.array(base_T_object[:2]) + steps @ (i, j)), z])
-            total += wi * wj * _is_visible(image, place, kind, config)
-    return total / 36.0
+    places = _places(base_T_object, covariance, z)
+    return sum(weight * _is_visible(image, place, kind, config) for place, weight in places) / 36.0
+
+
+def prob_solid(
+    image: DepthImage,
+    base_T_object: Pose2,
+    covariance: Array,
+    z: float,
+    kind: ObjectType,
+    config: EstimatorConfig,
+    explained: Callable[[Array], Mask],
+) -> float:
+    """Return P(an object would be in sight, and the image shows something there that nothing else explains).
+
+    Args:
+        image: This and all but the last argument are those of `prob_visible`, averaged over as there.
+        base_T_object: Mean.
+        covariance: Over (x, y, theta), object frame, shape (3, 3).
+        z: Height of its base, metres.
+        kind: Shape and size.
+        config: As there.
+        explained: Tells which readings, given by where they ended, shape (n, 3), base frame, have hit something else.
+    """
+    places = _places(base_T_object, covariance, z)
+    solid = sum(
+        weight * (_is_visible(image, place, kind, config) and _is_solid(image, place, kind, config, explained))
+        for place, weight in places
+    )
+    return solid / 36.0
 
 
 def outline_radius(kind: ObjectType) -> float:
@@ -47,21 +77,53 @@ def outline_radius(kind: ObjectType) -> float:
     return x / 2.0 if kind.shape == "cylinder" else 0.5 * float(np.hypot(x, y))
 
 
+def _places(base_T_object: Pose2, covariance: Array, z: float) -> Iterator[tuple[Array, int]]:
+    """Yield where an object's base may be, shape (3,), base frame, and how likely, in 36ths."""
+    spread, axes = np.linalg.eigh(turned(covariance, base_T_object[2])[:2, :2])
+    steps = axes * np.sqrt(np.maximum(spread, 0.0))
+    for i, wi in zip(NODES, WEIGHTS, strict=True):
+        for j, wj in zip(NODES, WEIGHTS, strict=True):
+            yield np.array([*(np.array(base_T_object[:2]) + steps @ (i, j)), z]), wi * wj
+
+
 def _is_visible(image: DepthImage, place: Array, kind: ObjectType, config: EstimatorConfig) -> bool:
     """Return whether an object at a place (its base, shape (3,), base frame) would have been reported."""
     radius = outline_radius(kind)
+    corners = _outline(place, image.origin[:2], radius, kind.size_m[2], *ENDS)
     points = _outline(place, image.origin[:2], radius, kind.size_m[2])
     forward, depth = image.read(points)
-    if np.isnan(depth).any() or np.linalg.norm(points - image.origin, axis=1).min() > config.sight_m:
+    if np.isnan(image.read(corners)[1]).any() or np.linalg.norm(points - image.origin, axis=1).min() > config.sight_m:
         return False
     known = depth > 0.0
     through = known & (depth >= forward - radius - config.depth_margin_m)
     return bool(known.mean() >= MIN_KNOWN and through.sum() >= config.seen_share * known.sum())
 
 
-def _outline(place: Array, camera_xy: Array, radius: float, height: float) -> Array:
-    """Return points of an upright cylinder in the plane through its axis and across the line of sight, shape (9, 3)."""
+def _is_solid(
+    image: DepthImage, place: Array, kind: ObjectType, config: EstimatorConfig, explained: Callable[[Array], Mask]
+) -> bool:
+    """Return whether the readings towards an object at a place, its foot aside, ended on it and on nothing else."""
+    radius, margin = outline_radius(kind), config.depth_margin_m
+    points = _outline(place, image.origin[:2], radius, kind.size_m[2])
+    forward, depth = image.read(points[points[:, 2] >= place[2] + margin])
+    known = depth > 0.0
+    towards = points[points[:, 2] >= place[2] + margin][known] - image.origin
+    ends = image.origin + towards * (depth[known] / forward[known])[:, None]
+    beside = np.linalg.norm(ends[:, :2] - place[:2], axis=1)
+    on = (beside <= radius + margin) & (ends[:, 2] >= place[2] + margin) & ~explained(ends)
+    return bool(len(on) and on.sum() >= config.seen_share * len(on))
+
+
+def _outline(
+    place: Array,
+    camera_xy: Array,
+    radius: float,
+    height: float,
+    heights: Sequence[float] = HEIGHTS,
+    sides: Sequence[float] = SIDES,
+) -> Array:
+    """Return points of an upright cylinder in the plane through its axis and across the line of sight, shape (n, 3)."""
     sight = place[:2] - camera_xy
     across = np.array([-sight[1], sight[0], 0.0]) / max(float(np.hypot(*sight)), 1e-9)
     up = np.array([0.0, 0.0, height])
-    return np.array([place + s * radius * across + h * up for h in HEIGHTS for s in SIDES])
+    return np.array([place + s * radius * across + h * up for h in heights for s in sides])

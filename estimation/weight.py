@@ -50,6 +50,12 @@ class WeightBelief:
         """Return the belief after a reading, which may be negative."""
         return replace(self, kg=(self.kg * self.count + kg) / (self.count + 1), count=self.count + 1)
 
+    def fused(self, other: "WeightBelief") -> "WeightBelief":
+        """Return the belief after the readings of both."""
+        count = self.count + other.count
+        kg = (self.kg * self.count + other.kg * other.count) / count if count else 0.0
+        return replace(self, kg=kg, count=count)
+
     def matched(self) -> tuple[float, float]:
         """Return mean and variance of ln(kg)."""
         if not self.count:

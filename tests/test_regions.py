@@ -24,6 +24,7 @@ from tabletop import looking
 
 from skolem.estimation.arm import base_T_tool
 from skolem.estimation.belief import Belief
+from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import EVENT
 from skolem.sim.symbolic_view import Solid, depth_view
 from skolem.traces.errors import InputError, InternalError
@@ -183,7 +184,8 @@ def test_c21_space_seen_empty_lowers_exists_in_and_the_existence_of_what_was_bel
 def test_overlooked_thing_leaves_the_contents_unknown_until_it_is_reported() -> None:
     robot = Searcher(told(), CANS[:1])
     robot.look(FRONT, found=False)
-    again = 0.9 * 0.1 / (0.9 * 0.1 + 0.1)  # P(it is of a known type | overlooked once)
+    other = EstimatorConfig().other_solids
+    again = 0.5 * 0.1 / (0.5 * 0.1 + other)  # P(it is of a known type | overlooked once)
     assert robot.belief.prob_contents(REGION) < 1.0 - again
     assert robot.belief.prob_exists_in(REGION, 0.5) > 0.5 * again
     assert robot.belief.prob_exists_in(REGION, 0.0) == 0.0
@@ -230,6 +232,19 @@ def test_own_arm_over_a_region_puzzles_nobody() -> None:
         robot.report(depth_view(frame, [*robot.solids, arm], frame), robot=state)
         contents.append(robot.belief.prob_contents(REGION))
     assert contents[0] > 0.85 > 0.6 > contents[1]
+
+
+def test_known_thing_is_hardly_doubted_where_the_picture_shows_it() -> None:
+    shown, gone = Searcher(told(), CANS[:1]), Searcher(told(), CANS[:1])
+    for robot in (shown, gone):
+        robot.look(FRONT)
+    gone.solids.pop()
+    met = shown.belief.prob_exists("_o1_")
+    for robot in (shown, gone):
+        robot.look(FRONT, found=False)
+    assert gone.belief.prob_exists("_o1_") < 0.6 < 0.8 < shown.belief.prob_exists("_o1_") <= met
+    shown.look(FRONT, found=False)
+    assert shown.belief.prob_exists("_o1_") < 0.6  # that something stands there was known already
 
 
 # ---------------------------------------------------------------- objects nobody has met

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.depth_image import DepthImage
-from skolem.estimation.visibility import prob_visible
+from skolem.estimation.visibility import prob_solid, prob_visible
 from skolem.traces.messages import DepthView, ObjectType, Pose2
 
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.12), graspable=True)
@@ -32,6 +32,11 @@ def visible(
     picture: DepthView, pose: Pose2 = (2.0, 0.0, 0.0), cov: NDArray[np.float64] = KNOWN, z: float = CAMERA_Z
 ) -> float:
     return prob_visible(DepthImage.of(picture), pose, cov, z, CAN, EstimatorConfig())
+
+
+def solid(picture: DepthView, pose: Pose2 = (2.0, 0.0, 0.0), z: float = CAMERA_Z, explained: bool = False) -> float:
+    image, config = DepthImage.of(picture), EstimatorConfig()
+    return prob_solid(image, pose, KNOWN, z, CAN, config, lambda ends: np.full(len(ends), explained))
 
 
 def test_object_before_a_far_wall_would_be_seen() -> None:
@@ -93,3 +98,30 @@ def test_vague_object_is_partly_in_sight_at_the_border() -> None:
     assert visible(view(4.0), (2.0, edge - 0.08, math.pi / 2), turned) == pytest.approx(
         visible(view(4.0), (2.0, edge - 0.08, 0.0), vague)
     )
+
+
+def test_object_of_which_the_border_cuts_a_sliver_is_not_reported() -> None:
+    edge = 2.0 * (COLUMNS / 2) / FOCAL
+    assert visible(view(4.0), (2.0, edge - 0.012, 0.0)) == 0.0
+
+
+def test_something_solid_is_where_the_readings_end_on_the_object() -> None:
+    assert solid(view(2.0 - 0.033)) == 1.0
+    assert solid(view(2.0 + 0.05)) == 1.0
+    assert solid(view(2.3)) == solid(view(1.5)) == 0.0
+
+
+def test_what_something_else_explains_is_not_the_object() -> None:
+    assert solid(view(2.0 - 0.033), explained=True) == 0.0
+
+
+def test_object_out_of_sight_is_not_shown() -> None:
+    assert solid(view(2.0 - 0.033), (2.0, 1.5, 0.0)) == 0.0
+
+
+def test_surface_under_an_object_is_not_the_object() -> None:
+    height = CAMERA_Z - FLOOR
+    down = (np.arange(ROWS) + 1 - ROWS / 2)[:, None] / FOCAL * np.ones(COLUMNS)
+    floor = np.where(down > 0.15, height / np.maximum(down, 1e-3), 4.0)
+    assert visible(view(floor), (1.6, 0.0, 0.0), z=FLOOR) == 1.0
+    assert solid(view(floor), (1.6, 0.0, 0.0), z=FLOOR) == 0.0
