@@ -103,7 +103,7 @@ def test_version_is_that_of_the_package(monkeypatch: pytest.MonkeyPatch, capsys:
     ("args", "said"),
     [
         (["rum"], "no verb 'rum'; did you mean 'run'?"),
-        (["zzz"], "no verb 'zzz'; there are: run, scenario, show, sweep"),
+        (["zzz"], f"no verb 'zzz'; there are: {', '.join(cli.VERBS)}"),
         (["run", GREEN, "--sede", "1"], "No such option"),
         (["run", GREEN, "--seed", "-1"], "--seed"),
         (["run", "nowhere.yaml"], "nowhere.yaml: cannot be read: No such file or directory"),

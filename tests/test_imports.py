@@ -25,7 +25,7 @@ NEVER: dict[str, set[str]] = {  # libraries that belong to another folder
     "traces": {"clingo", "gtsam", "pybullet", "ompl"},
     "tools": {"gtsam"},
 }
-GTSAM_MODULES = {"estimation/pose_graph.py"}
+GTSAM_MODULES = {"estimation/pose_graph.py", "estimation/consolidation.py"}
 REPRODUCIBLE = ("reasoner", "estimation", "sim")
 CLOCKS_AND_DICE = {"time", "datetime", "random", "secrets", "uuid"}
 KEYED_RANDOMNESS = {"Generator", "PCG64", "SeedSequence"}

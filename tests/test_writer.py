@@ -13,7 +13,8 @@ from mcap.writer import Writer
 from skolem.traces.environment import PACKAGES, environment
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.messages import Action, Chain, Perf, RunEnd, TrueState, Verdict
-from skolem.traces.reader import Trace, salvage
+from skolem.traces.reader import Trace
+from skolem.traces.recover import recover
 from skolem.traces.writer import TraceWriter
 
 SAMPLE_RUN = Path(__file__).parent / "sample_run.py"
@@ -126,11 +127,9 @@ def test_a_killed_process_leaves_every_closed_step(tmp_path: Path) -> None:
         assert process.stdout.readline() == "recorded\n"
         process.kill()
     assert not out.exists()
-    found = salvage(out.with_name("a.mcap.partial"))
-    assert found.stopped
-    assert found.attachments == {"scenario.yaml": b"x"}
-    chains = [recorded.message for recorded in found.messages("/chain")]
-    assert [chain.step for chain in chains if isinstance(chain, Chain)] == list(range(50))
+    recover(out.with_name("a.mcap.partial"), out)
+    assert Trace(out).attachments == {"scenario.yaml": b"x"}
+    assert [chain.step for chain in Trace(out).of(Chain)] == list(range(50))
 
 
 def test_a_finished_chunk_is_on_the_disk_before_the_next_message(tmp_path: Path) -> None:
@@ -139,7 +138,7 @@ def test_a_finished_chunk_is_on_the_disk_before_the_next_message(tmp_path: Path)
         for k in range(40):
             noise = "".join(f"{zlib.crc32(bytes([k, i % 256, i // 256])):08x}" for i in range(1000))
             writer.write("/truth/state", TRUE_STATE.model_copy(update={"sha256": noise}), k)
-        assert salvage(writer.partial).count >= 30
+        assert recover(writer.partial, tmp_path / "saved.mcap").messages >= 30
 
 
 def test_time_runs_forward_only(tmp_path: Path) -> None:

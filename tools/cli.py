@@ -13,6 +13,29 @@ import typer
 from typer.core import TyperGroup
 
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
+    "check": (
+        "skolem.tools.check",
+        "Check that traces are whole and unchanged; name the first fault of each, with its place and what to do.",
+    ),
+    "diff": ("skolem.tools.diff", "Print where two runs part first, and how often each field differs."),
+    "info": ("skolem.tools.info", "Print what a run was made of, how it went, and what takes the room in its trace."),
+    "recover": (
+        "skolem.tools.recover",
+        "Save every message that is whole of a trace that was cut off or damaged.",
+    ),
+    "replay": (
+        "skolem.tools.replay",
+        "Think recorded runs again without a simulator, and compare; or see what other rules or goals would decide.",
+    ),
+    "reproduce": (
+        "skolem.tools.reproduce",
+        "Run a recorded run again from its attached scenario, rules and seed, and compare everything but wall times.",
+    ),
+    "explain": (
+        "skolem.tools.explain",
+        "Explain one decision of a run: why this object, why this action, why plans were dropped, why the run ended.",
+    ),
+    "rules": ("skolem.tools.rules", "Check rule files, or print the reference of rules, words and queries."),
     "run": ("skolem.tools.run", "Run a scenario and record it as a trace."),
     "scenario": ("skolem.tools.scenario_check", "Check scenario files, or print their JSON Schema."),
     "show": (
@@ -22,6 +45,11 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "sweep": (
         "skolem.tools.sweep",
         "Run scenarios for many seeds, several at a time, and write tables of how it went.",
+    ),
+    "trace": ("skolem.tools.trace", "Record golden traces anew: the only way in which they change."),
+    "view": (
+        "skolem.tools.view",
+        "Show a run: the robot, true and believed things, the camera, plans, decisions and curves, over steps or time.",
     ),
 }
 BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4

@@ -8,30 +8,28 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Protocol
 
 from google.protobuf.message import Message as Protobuf
 
-from skolem.estimation.belief import Belief
-from skolem.reasoner.agent import Agent, Turn
+from skolem.reasoner.agent import Turn
 from skolem.reasoner.expressions import Goal
 from skolem.reasoner.parser import goal_faults, parse_goal
-from skolem.reasoner.protocols import Geometry
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.scenario import Document, Scenario, check, load_document, moves_before, prior, true_bodies
-from skolem.tools.recorded_geometry import RecordedGeometry
+from skolem.tools.mind import Mind
+from skolem.tools.planners import WorldKind, planner_of
 from skolem.tools.source import SOURCE_SHA256
-from skolem.tools.stopwatch import MOTION_PLANNING, Stopwatch
+from skolem.tools.stopwatch import ESTIMATION, MOTION_PLANNING, REASONING, Stopwatch
 from skolem.tools.verdict import verdict
 from skolem.traces import messages
 from skolem.traces.environment import environment
 from skolem.traces.messages import Action, ActionResult, Observation, Pose4, RobotState, RunEnd, TrueState
 from skolem.traces.writer import TraceWriter
 
-WorldKind = Literal["pybullet", "symbolic"]
 LOADING, SENSING, PHYSICS = "loading", "rendering_and_detection", "physics"
-ESTIMATION, REASONING, RECORDING = "estimation", "reasoning", "recording"
+RECORDING = "recording"
 PARTS = (SENSING, ESTIMATION, REASONING, MOTION_PLANNING, PHYSICS, RECORDING, LOADING)
 DROPPED = frozenset({"preimage_lost", "refused"})  # causes for which plans are given up
 
@@ -62,14 +60,6 @@ class World(Protocol):
 
     def close(self) -> None:
         """Free what the world holds."""
-        ...
-
-
-class Planner(Geometry, Protocol):
-    """A geometry that holds something, such as a physics client, until it is closed."""
-
-    def close(self) -> None:
-        """Free what it holds."""
         ...
 
 
@@ -168,18 +158,36 @@ def compose(
     world: WorldKind = "pybullet",
     images: bool = False,
     profile: bool = False,
+    rulebook: Rulebook | None = None,
 ) -> Setup:
     """Read a scenario's rules and check it.
+
+    Args:
+        document: The scenario file.
+        seed: Instead of the scenario's.
+        world: Which simulator.
+        images: Whether camera images are recorded.
+        profile: Whether wall times are recorded.
+        rulebook: The rules, if they were read already; None for those that ship and the scenario's own.
 
     Raises:
         InputError: With every fault found.
     """
-    rulebook = Rulebook.load(Queries, [rules for rules in document.rules if rules.is_file()])
+    if rulebook is None:
+        rulebook = Rulebook.load(Queries, [rules for rules in document.rules if rules.is_file()])
+    scenario, goal = understood(document, rulebook)
+    return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, world, images, profile)
+
+
+def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
+    """Return the scenario of a document and its goal, read with some rules.
+
+    Raises:
+        InputError: With every fault found.
+    """
     words = rulebook.vocabulary.words()
     scenario = check(document, rulebook.vocabulary.types, lambda goal, names: goal_faults(goal, words, names))
-    names = [item.id for item in scenario.belief.objects]
-    goal = parse_goal(scenario.goal, words, names)
-    return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, world, images, profile)
+    return scenario, parse_goal(scenario.goal, words, [item.id for item in scenario.belief.objects])
 
 
 def run(setup: Setup, path: Path, watcher: Watcher, watch: Stopwatch, outcome: Outcome) -> None:
@@ -236,48 +244,39 @@ class _Run:
             world.close()
 
     def _loop(self, world: World) -> None:
-        setup, scenario, types = self._setup, self._setup.scenario, self._setup.types
-        told = prior(scenario, types, setup.seed, world.robot_state())
+        setup = self._setup
+        told = prior(setup.scenario, setup.types, setup.seed, world.robot_state())
         self._write("/prior", told)
         self._write("/truth/state", world.state(0))
         with self._watch.part(LOADING):
-            belief = Belief(told)
-            planner = self._geometry()
+            planner = planner_of(setup.world, setup.types, setup.seed)
         with closing(planner):
-            geometry = RecordedGeometry(planner, self._write, self._watch)
-            agent = Agent(setup.goal, setup.rulebook, belief, geometry, scenario.limits)
+            mind = Mind(setup.goal, setup.rulebook, told, setup.scenario.limits, planner, self._emit, self._watch)
             step = 0
-            while (end := self._decide(agent, belief, geometry, step)) is None:
-                self._act(world, belief, step)
+            while (action := (turn := self._decide(mind, step)).action) is not None:
+                self._act(world, mind, action)
                 step += 1
-        self._judge(world, step, end)
+        assert turn.end is not None, "a turn has an action or an end"
+        self._judge(world, step, turn.end)
 
-    def _decide(self, agent: Agent, belief: Belief, geometry: "RecordedGeometry", step: int) -> RunEnd | None:
-        """Take one decision; return the end of the run, or None with `self._action` to execute."""
-        with self._watch.part(ESTIMATION):
-            snapshot = belief.snapshot(step)
-        self._write("/belief", snapshot)
-        self._watcher.believed(snapshot, self._tick())
-        geometry.sync(snapshot)
-        with self._watch.part(REASONING):
-            turn = agent.decide(step)
-        for plan in turn.plans:
-            self._write("/plan", plan)
-        for decision in turn.decisions:
-            self._write("/decision", decision)
+    def _decide(self, mind: Mind, step: int) -> Turn:
+        """Let the robot take one decision, and take notice of it."""
+        turn = mind.decide(step)
         self._outcome.replans += sum(plan.cause in DROPPED for plan in turn.plans)
         self._outcome.clingo_calls += sum(decision.clingo_calls for decision in turn.decisions)
         self._writer.candidate(turn.closest.probability, turn.closest.anchor)
         self._watcher.decided(turn)
-        if turn.end is None:
-            assert turn.action is not None, "a turn has an action or an end"
-            self._action = turn.action
-        return turn.end
+        return turn
 
-    def _act(self, world: World, belief: Belief, step: int) -> None:
+    def _emit(self, topic: str, message: messages.Message) -> None:
+        """Record what the mind thinks, and show the belief before the decision is taken."""
+        self._write(topic, message)
+        if isinstance(message, messages.Belief):
+            self._watcher.believed(message, self._tick())
+
+    def _act(self, world: World, mind: Mind, action: Action) -> None:
         """Execute the action, record what came of it, and take it into the belief."""
-        action = self._action
-        self._write("/action", action)
+        step = action.step
         for name, world_T_object in moves_before(self._setup.scenario, self._setup.types, step):
             world.disturb(name, world_T_object)
         with self._watch.part(SENSING if action.command.kind == "look_at" else PHYSICS):
@@ -287,8 +286,7 @@ class _Run:
         self._write("/obs", observation)
         self._write("/truth/state", world.state(step + 1))
         self._watcher.acted(action, result, observation)
-        with self._watch.part(ESTIMATION):
-            belief.update(action, result, observation)
+        mind.update(action, result, observation)
         self._close_step(step)
 
     def _judge(self, world: World, step: int, end: RunEnd) -> None:
@@ -315,7 +313,7 @@ class _Run:
         """Build the true world; only here is it decided which."""
         setup, types = self._setup, self._setup.types
         bodies, robot = true_bodies(setup.scenario, types), setup.scenario.robot
-        base, noise = (robot.base.x, robot.base.y, robot.base.theta), setup.scenario.noise.message()
+        base, noise = (robot.base.x, robot.base.y, robot.base.theta), setup.scenario.true_noise.message()
         if setup.world == "symbolic":
             from skolem.sim.symbolic import SymbolicWorld
 
@@ -326,16 +324,6 @@ class _Run:
 
     def _record(self, topic: str, message: Protobuf) -> None:
         self._write(topic, message)
-
-    def _geometry(self) -> Planner:
-        """Build what answers the reasoner's geometric questions, from the belief alone."""
-        if self._setup.world == "symbolic":
-            from skolem.sim.symbolic_geometry import SymbolicGeometry
-
-            return SymbolicGeometry(self._setup.types)
-        from skolem.sim.planning import PlanningWorld
-
-        return PlanningWorld(self._setup.types, self._setup.seed)
 
 
 def _robot_sha256(world: WorldKind) -> str:

@@ -10,6 +10,9 @@ DECISIVE: Final = (
     "estimation/*.py",
     "sim/*.py",
     "traces/*.py",
+    "tools/mind.py",
+    "tools/planners.py",
+    "tools/recorded_geometry.py",
     "tools/session.py",
     "tools/verdict.py",
 )

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 MOTION_PLANNING = "motion_planning"
+ESTIMATION, REASONING = "estimation", "reasoning"
 
 
 class Stopwatch:

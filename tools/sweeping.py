@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skolem.tools import session
+from skolem.tools.planners import WorldKind
 from skolem.tools.sweep_progress import progress_for
 from skolem.tools.sweep_report import Part, line, section, summary, with_section
 from skolem.tools.sweep_rows import Row, put, results_csv, times_csv
@@ -46,7 +47,7 @@ def seed_range(text: str) -> range:
     return seeds
 
 
-def plan(files: Sequence[Path], seeds: range, world: session.WorldKind, overrides: Sequence[str]) -> Plan:
+def plan(files: Sequence[Path], seeds: range, world: WorldKind, overrides: Sequence[str]) -> Plan:
     """Return what there is to do.
 
     Raises:

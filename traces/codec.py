@@ -6,6 +6,7 @@ JSON topics hold canonical JSON (sorted keys, no spaces, UTF-8); protobuf topics
 import hashlib
 import json
 from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -59,6 +60,7 @@ def schema_name(topic: str) -> str:
     return f"skolem.{JSON_TOPICS[topic][0].__name__}" if topic in JSON_TOPICS else PROTOBUF_TOPICS[topic][0]
 
 
+@cache
 def schema_bytes(topic: str) -> bytes:
     """Return the topic's JSON Schema, or its protobuf descriptor set, as one byte string per value."""
     if topic in JSON_TOPICS:
@@ -107,8 +109,9 @@ class ContentHash:
 class HashChain:
     """Each link hashes the link before and the decisions since: equal links mean that two runs agree so far."""
 
-    def __init__(self) -> None:
-        self.link = NO_CHAIN
+    def __init__(self, link: str = NO_CHAIN) -> None:
+        """Begin after a link; by default with none before."""
+        self.link = link
         self._next = self._start()
 
     def add(self, topic: str, data: bytes) -> None:

@@ -31,6 +31,7 @@ def environment() -> dict[str, str]:
         "machine": platform.machine(),
         "simd": _simd_flags(),
         "OPENBLAS_CORETYPE": os.environ.get("OPENBLAS_CORETYPE", ""),
+        "NPY_DISABLE_CPU_FEATURES": os.environ.get("NPY_DISABLE_CPU_FEATURES", ""),
     } | {f"version {name}": _version(name) for name in PACKAGES}
 
 

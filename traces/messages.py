@@ -37,9 +37,12 @@ class Message(BaseModel):
 
     def canonical(self) -> bytes:
         """Return the one byte string for this value: sorted keys, no spaces, UTF-8."""
-        return json.dumps(
-            self.model_dump(mode="json"), sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=False
-        ).encode()
+        return canonical(self.model_dump(mode="json"))
+
+
+def canonical(values: object) -> bytes:
+    """Return the one byte string for plain values."""
+    return json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=False).encode()
 
 
 # ---------------------------------------------------------------- words: what types and properties mean
@@ -174,6 +177,9 @@ class Limits(Message):
     hierarchy_depth: Annotated[int, Field(ge=12, description="layers of the plan stack")]
     min_plan_probability: Probability
     repeats: Annotated[int, Field(gt=0, description="of one action without success, before it is given up")] = 10
+    optimal: Annotated[
+        bool, Field(description="take more time, so that no plan at all is likelier than the one found")
+    ] = False
 
 
 class RunStart(Message):
@@ -344,6 +350,15 @@ class RegionBelief(Message):
     )
 
 
+class IdentityChange(Message):
+    """Two anchors turned out to be of one object, or one to have been two."""
+
+    version: int = Field(description="number of events applied before")
+    kind: Literal["merged", "split"]
+    anchor: Anchor = Field(description="whose name goes on")
+    other: Anchor | None = Field(default=None, description="merged: the anchor that was of the same object")
+
+
 class Belief(Message):
     """A snapshot of the whole belief: all that the reasoner, the geometry and the viewer may know."""
 
@@ -357,6 +372,7 @@ class Belief(Message):
     anchors: tuple[str, ...] = Field(description="in order of introduction")
     objects: dict[str, ObjectBelief]
     regions: dict[str, RegionBelief] = {}
+    identity: tuple[IdentityChange, ...] = Field(default=(), description="what turned out so far about who is who")
     keys: tuple[str, ...] = Field(description="row order of joint_covariance, three rows (x, y, theta) each")
     joint_covariance: tuple[float, ...] = Field(description="upper triangle, tangent space (body frame) of each key")
 
@@ -400,6 +416,24 @@ class Plan(Message):
     current: tuple[int, ...] = Field(default=(), description="index of the chosen step, per layer")
 
 
+class RememberedStep(PlanStep):
+    """A step with all the reasoner needs to go on with it."""
+
+    instance: str = Field(description="the rule instance itself, as a term")
+    called: str = Field(description="the operation it counts as, as a term")
+    executes: str | None = Field(description="the primitive that carries it out, as a term; null: an inference")
+
+
+class Memory(Message):
+    """What the reasoner remembers when a decision begins: with the belief, all that the decision depends on."""
+
+    step: Step
+    layers: tuple[tuple[RememberedStep, ...], ...] = Field(description="the plan stack, top first")
+    current: tuple[int, ...] = Field(description="index of the chosen step, per layer")
+    executed: RememberedStep | None = Field(description="the step that was carried out last, if it is yet to be judged")
+    failures: dict[str, int] = Field(description="how often in a row a step did not do what it should, by instance")
+
+
 class Candidate(Message):
     """A rule instance offered at the first expansion of a search, or rejected there."""
 
@@ -417,9 +451,21 @@ class Decision(Message):
     candidates: tuple[Candidate, ...] = Field(description="sorted by (cost, op)")
     plan: tuple[str, ...] = Field(description="operators in execution order; empty: no plan")
     cost: MicroNats
+    within: float | None = Field(
+        default=None, description="at most this many times the cost of the best plan; 1: optimal; null: not known"
+    )
     expansions: int
     clingo_calls: int
     ground_atoms: int
+
+
+class Denotation(Message):
+    """Whom the robot takes to be meant, at each decision."""
+
+    step: Step
+    probability: dict[str, dict[Anchor, Probability]] = Field(
+        description="P(Den) by description of the goal (e1, e2, ..), then by anchor"
+    )
 
 
 class Geometry(Message):
@@ -501,8 +547,10 @@ JSON_TOPICS: dict[str, tuple[type[Message], TopicClass]] = {
     "/run/start": (RunStart, INPUT),
     "/prior": (Prior, INPUT),
     "/belief": (Belief, DERIVED),
+    "/memory": (Memory, DERIVED),
     "/plan": (Plan, DERIVED),
     "/decision": (Decision, DERIVED),
+    "/denotation": (Denotation, DERIVED),
     "/geometry": (Geometry, DERIVED),
     "/action": (Action, DERIVED),
     "/action/result": (ActionResult, INPUT),

@@ -1,4 +1,4 @@
-"""Read a trace with the memory of one chunk, and what is left of a damaged one.
+"""Read a trace with the memory of one chunk.
 
 Opening a trace compares both checksums of the container with the whole file, so that a file that opens can be read.
 """
@@ -6,7 +6,7 @@ Opening a trace compares both checksums of the container with the whole file, so
 import io
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,23 +14,20 @@ from typing import IO, TypeVar
 
 from google.protobuf.message import Message as Protobuf
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.reader import FOOTER_SIZE, make_reader
-from mcap.records import Attachment, Channel, Chunk, Metadata
+from mcap.records import Channel, Chunk
 from mcap.records import Message as McapMessage
-from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
+from mcap.stream_reader import MAGIC_SIZE, breakup_chunk
 from mcap.writer import MCAP0_MAGIC
-from zstandard import ZstdError
 
 from skolem.traces.clock import tick_at, time_ns
 from skolem.traces.codec import ContentHash, counter_of, decode
 from skolem.traces.errors import TraceError
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Message
 
-DAMAGE = (McapError, ZstdError, ValueError, KeyError, struct.error, MemoryError, OverflowError)
 DATA_END_SIZE = 1 + 8 + 4
 BLOCK_BYTES = 1 << 20
-SALVAGE = "skolem.traces.reader.salvage reads what is complete"
+RECOVER = "`skolem recover` saves what is whole"
 
 M = TypeVar("M", bound=Message)
 
@@ -74,7 +71,7 @@ class Trace:
             TraceError: If the file is missing, not a trace, truncated, damaged, or of a newer version.
         """
         self.path = path
-        with _opened(path) as file:
+        with opened(path) as file:
             _check_whole(path, file)
             reader = make_reader(file)
             self.metadata = {record.name: record.metadata for record in reader.iter_metadata()}
@@ -89,6 +86,14 @@ class Trace:
         """The scenario and the rule files of the run, by name."""
         with self.path.open("rb") as file:
             return {record.name: record.data for record in make_reader(file).iter_attachments()}
+
+    @cached_property
+    def schemas(self) -> dict[str, bytes]:
+        """The schema of each topic that could have messages: a trace of an older version has fewer, and older ones."""
+        with self.path.open("rb") as file:
+            summary = make_reader(file).get_summary()
+        assert summary is not None, "the checksum of the summary was compared"
+        return {channel.topic: summary.schemas[channel.schema_id].data for channel in summary.channels.values()}
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
         """Yield the messages of `topics` (of all, if none is given) in file order.
@@ -131,59 +136,12 @@ class Trace:
         return self.hashes.decision
 
 
-@dataclass(frozen=True, slots=True)
-class Salvaged:
-    """What can be read of a truncated or damaged trace, from its beginning to the first damage.
-
-    Attributes:
-        path: The damaged file.
-        attachments: Scenario and rule files, by name.
-        metadata: As far as they were written.
-        count: Number of readable messages.
-        stopped: What ended the reading; empty if the file is whole.
-    """
-
-    path: Path
-    attachments: dict[str, bytes]
-    metadata: dict[str, dict[str, str]]
-    count: int
-    stopped: str
-
-    def messages(self, *topics: str) -> Iterator[Recorded]:
-        """Yield the readable messages of `topics` (of all, if none is given) in file order."""
-        channels: dict[int, Channel] = {}
-        with self.path.open("rb") as file:
-            for record in _readable(file, lambda _: None):
-                if isinstance(record, Channel):
-                    channels[record.id] = record
-                elif isinstance(record, McapMessage):
-                    recorded = _recorded(self.path, channels[record.channel_id], record)
-                    if not topics or recorded.topic in topics:
-                        yield recorded
-
-
-def salvage(path: Path) -> Salvaged:
-    """Return everything that is complete in a trace of any condition.
+def opened(path: Path) -> IO[bytes]:
+    """Return the file, at its beginning, once it is known to begin as an MCAP file.
 
     Raises:
-        TraceError: If the file is missing or does not begin as an MCAP file.
+        TraceError: If it cannot be read, or does not.
     """
-    attachments: dict[str, bytes] = {}
-    metadata: dict[str, dict[str, str]] = {}
-    stops: list[str] = []
-    count = 0
-    with _opened(path) as file:
-        for record in _readable(file, stops.append):
-            if isinstance(record, Attachment):
-                attachments[record.name] = record.data
-            elif isinstance(record, Metadata):
-                metadata[record.name] = record.metadata
-            count += isinstance(record, McapMessage)
-    return Salvaged(path, attachments, metadata, count, "".join(stops))
-
-
-def _opened(path: Path) -> IO[bytes]:
-    """Return the file, at its beginning, once it is known to begin as an MCAP file."""
     try:
         file = path.open("rb")
     except OSError as error:
@@ -202,15 +160,15 @@ def _check_whole(path: Path, file: IO[bytes]) -> None:
     file.seek(max(0, size - tail))
     footer = file.read(tail)
     if size < MAGIC_SIZE + tail + DATA_END_SIZE or footer[-MAGIC_SIZE:] != MCAP0_MAGIC:
-        raise TraceError(f"{path}: truncated: the run was killed, or is still being recorded; {SALVAGE}")
+        raise TraceError(f"{path}: truncated: the run was killed, or is still being recorded; {RECOVER}")
     summary, _, summary_crc = struct.unpack("<QQI", footer[-MAGIC_SIZE - 20 : -MAGIC_SIZE])
     data_end = summary - DATA_END_SIZE
     if not MAGIC_SIZE < data_end < size or _crc(file, summary, size - MAGIC_SIZE - 4) != summary_crc:
-        raise TraceError(f"{path}: damaged: the index at the end does not match its checksum; {SALVAGE}")
+        raise TraceError(f"{path}: damaged: the index at the end does not match its checksum; {RECOVER}")
     file.seek(data_end)
     opcode_and_length, data_crc = file.read(9), struct.unpack("<I", file.read(4))[0]
     if opcode_and_length != b"\x0f" + (4).to_bytes(8, "little") or _crc(file, 0, data_end) != data_crc:
-        raise TraceError(f"{path}: damaged: the messages do not match their checksum; {SALVAGE}")
+        raise TraceError(f"{path}: damaged: the messages do not match their checksum; {RECOVER}")
     file.seek(0)
 
 
@@ -240,20 +198,6 @@ def _indexed(path: Path, topics: tuple[str, ...]) -> Iterator[tuple[Channel, Mca
             for record in breakup_chunk(Chunk.read(ReadDataStream(file)), validate_crc=True):
                 if isinstance(record, McapMessage) and record.channel_id in wanted:
                     yield summary.channels[record.channel_id], record
-
-
-def _readable(file: IO[bytes], on_stop: Callable[[str], None]) -> Iterator[object]:
-    """Yield every container record up to the first damage, and report that."""
-    records = StreamReader(file, validate_crcs=True).records
-    while True:
-        try:
-            record = next(records)
-        except StopIteration:
-            return
-        except DAMAGE as error:
-            on_stop(f"{type(error).__name__}: {error}".rstrip(": "))
-            return
-        yield record
 
 
 def _recorded(path: Path, channel: Channel, record: McapMessage) -> Recorded:

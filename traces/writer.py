@@ -27,8 +27,8 @@ class TraceWriter:
     """A trace being written; used as a context manager.
 
     The file is called `NAME.partial` until it is complete. Leaving the block, also by an exception or Ctrl-C, adds
-    `/run/end` if it is missing, closes the file and gives it its name. A killed process leaves the partial file, which
-    `skolem.traces.reader.salvage` reads up to the last closed step or full chunk.
+    `/run/end` if it is missing, closes the file and gives it its name. A killed process leaves the partial file:
+    `skolem recover` saves of it everything up to the last closed step or full chunk.
     """
 
     def __init__(

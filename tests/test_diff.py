@@ -1,0 +1,135 @@
+"""Where two traces part: nothing is overlooked, and what may differ is data."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from recordings import recorded, rewritten, unchanged
+
+from skolem.traces.diff import Change, Comparison, Tolerance, by_step, compare, tolerance_for
+from skolem.traces.messages import CLASS_OF, Belief, Message
+from skolem.traces.reader import Recorded, Trace
+
+EXACT = Tolerance()
+COMMAND = "import sys; from skolem.tools.cli import main; sys.exit(main())"
+
+
+def said(topic: str, tick: int = 0, **fields: object) -> Recorded:
+    return Recorded(topic, tick, 0, json.dumps(fields).encode())
+
+
+def compared(expected: list[Recorded], got: list[Recorded], tolerance: Tolerance = EXACT) -> Comparison:
+    return compare([expected], [got], tolerance, keep_all=True)
+
+
+def test_equal_runs_have_no_difference() -> None:
+    messages = [said("/plan", step=0), said("/action", step=0)]
+    found = compared(messages, list(messages))
+    assert found.identical
+    assert found.compared == {"/plan": 1, "/action": 1}
+
+
+def test_a_value_is_named_with_its_path_and_distance() -> None:
+    [first] = compared([said("/obs", a=[{"x": 1.0}])], [said("/obs", a=[{"x": 1.5}])]).divergences
+    assert first.kind == "value"
+    assert first.changes == (Change(".a[0].x", 1.0, 1.5),)
+    assert first.changes[0].difference == 0.5
+    assert str(first.changes[0]) == ".a[0].x: expected 1.0, got 1.5  |d| = 0.5"
+
+
+def test_another_order_is_named() -> None:
+    [first] = compared([said("/plan"), said("/action")], [said("/action"), said("/plan")]).divergences
+    assert (first.kind, first.topic) == ("order", "/plan")
+
+
+def test_another_length_is_named() -> None:
+    for expected, got in (([said("/plan")], []), ([], [said("/plan")])):
+        [first] = compared(expected, got).divergences
+        assert (first.kind, first.topic) == ("length", "/plan")
+
+
+def test_another_time_is_a_difference() -> None:
+    [first] = compared([said("/plan", tick=3)], [said("/plan", tick=4)]).divergences
+    assert first.changes == (Change(".tick", 3, 4),)
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "equal"), [(1, 2, False), (1.0, 1.0 + 1e-12, True), (1.0, 1.1, False), (1, 1.0, True), (True, 1, False)]
+)
+def test_floats_alone_may_differ_a_little(a: object, b: object, equal: bool) -> None:
+    found = compared([said("/obs", x=a)], [said("/obs", x=b)], Tolerance(atol=1e-9))
+    assert found.identical == equal
+    assert found.tolerated == (1 if (equal and a != b) or (type(a) is not type(b) and equal) else 0)
+
+
+def test_tolerance_is_by_field_and_hashes_of_floats_are_ignored() -> None:
+    other = tolerance_for("other machine")
+    assert "/chain.chain" in other.ignored
+    assert not tolerance_for("equal machine").ignored
+    assert compared([said("/chain", chain="a")], [said("/chain", chain="b")], other).identical
+    loose = Tolerance(fields=(("/obs*pose*", 1.0, 0.0),))
+    assert loose.allows("/obs.a.pose[0]", 1.0, 1.9)
+    assert not loose.allows("/obs.a.point[0]", 1.0, 1.9)
+
+
+def test_every_topic_of_the_tolerance_table_exists() -> None:
+    for machine in ("equal machine", "other machine"):
+        tolerance = tolerance_for(machine)
+        assert {pattern.partition("*")[0].partition(".")[0] for pattern, *_ in tolerance.fields} <= CLASS_OF.keys()
+        assert {name.partition(".")[0] for name in tolerance.ignored} <= CLASS_OF.keys()
+
+
+def test_fields_are_counted_over_all_messages() -> None:
+    a = [said("/obs", x=[1.0, 2.0]), said("/obs", x=[1.0])]
+    b = [said("/obs", x=[1.5, 2.5]), said("/obs", x=[3.0])]
+    assert compared(a, b).fields == {"/obs.x[]": 2}
+
+
+def test_a_step_begins_with_a_belief() -> None:
+    topics = ["/run/start", "/prior", "/belief", "/action", "/belief", "/run/end"]
+    groups = [[m.topic for m in group] for group in by_step(said(topic) for topic in topics)]
+    assert groups == [["/run/start", "/prior"], ["/belief", "/action"], ["/belief", "/run/end"]]
+
+
+# ---------------------------------------------------------------- the verb
+
+
+def test_the_verb_finds_the_first_difference_and_loads_nothing_heavy(tmp_path: Path) -> None:
+    def moved(message: Recorded) -> Iterator[Message]:
+        found = unchanged(message)
+        if isinstance(found, Belief) and found.step == 4:
+            found = found.model_copy(update={"version": 99})
+        yield found
+
+    a = rewritten(recorded("sim1_green"), tmp_path / "a.mcap", lambda m: [unchanged(m)])
+    b = rewritten(recorded("sim1_green"), tmp_path / "b.mcap", moved)
+    code = f"{COMMAND[: -len('sys.exit(main())')]}status = main(); heavy = {{'gtsam', 'pybullet', 'rerun', 'clingo'}}\n"
+    code += "assert not heavy & set(sys.modules), heavy & set(sys.modules)\nsys.exit(status)"
+    done = subprocess.run([sys.executable, "-c", code, "diff", a, b], capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr
+    assert "DIVERGED at step 4, /belief: value" in done.stdout
+    assert ".version: expected 10, got 99  |d| = 89" in done.stdout or ".version: expected" in done.stdout
+    same = subprocess.run([sys.executable, "-c", code, "diff", a, a], capture_output=True, text=True, check=False)
+    assert (same.returncode, "IDENTICAL" in same.stdout) == (0, True)
+
+
+def test_the_verb_compares_the_topics_it_is_told(tmp_path: Path) -> None:
+    trace = str(recorded("sim1_green"))
+    arguments = [sys.executable, "-c", COMMAND, "diff", trace, str(recorded("occluded"))]
+    done = subprocess.run([*arguments, "--topic", "/chain", "--json"], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert set(json.loads(done.stdout)["compared"]) == {"/chain"}
+    done = subprocess.run([*arguments, "--topic", "/nonsense"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+
+
+def test_protobuf_topics_are_compared_by_field(record_run: object, tmp_path: Path) -> None:
+    assert callable(record_run)
+    record_run(tmp_path / "a.mcap")
+    [tf] = list(Trace(tmp_path / "a.mcap").messages("/tf"))[:1]
+    other = list(Trace(tmp_path / "a.mcap").messages("/tf"))[1]
+    [first] = compared([tf], [Recorded("/tf", tf.tick, 0, other.data)]).divergences
+    assert first.changes[0].path == ".transforms[0].translation.x"

@@ -1,0 +1,113 @@
+"""Recorded runs under other rules, goals or thresholds: which decisions change, and where the record ends."""
+
+from pathlib import Path
+
+import pytest
+from recordings import recorded
+
+from skolem.tools.cli import main
+from skolem.tools.other_minds import Changes, changes_of, given_with
+from skolem.tools.recorded_rules import Rulebooks
+from skolem.tools.recorded_run import RecordedRun
+from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.what_if import Foreseen, foresee
+from skolem.traces.errors import InputError
+
+RULES = Path(__file__).parent.parent / "rules"
+
+
+def what_if(scenario: str, *flags: str, rules: dict[str, bytes] | None = None) -> Foreseen:
+    run = RecordedRun(recorded(scenario))
+    return foresee(run, given_with(run, changes_of(rules or {}, flags), Rulebooks()), Stopwatch())
+
+
+def edited(name: str, old: str, new: str) -> dict[str, bytes]:
+    text = (RULES / name).read_text()
+    assert old in text
+    return {name: text.replace(old, new).encode()}
+
+
+def test_nothing_changes_for_the_same_rules() -> None:
+    same = {path.name: path.read_bytes() for path in RULES.glob("*.lp")}
+    found = what_if("sim1_green", rules=same)
+    assert found == Foreseen(altered=[], decisions=11, recorded=11)
+
+
+def test_a_comment_changes_nothing() -> None:
+    assert not what_if("sim1_green", rules={"look.lp": (RULES / "look.lp").read_bytes() + b"% a remark\n"}).altered
+
+
+def test_another_word_changes_whom_the_robot_takes_to_be_meant() -> None:
+    """The first object believed green is looked at first; were red called green, another would be."""
+    found = what_if("sim1_green", "goal=exists o. B(Den(lambda x. Red(x), o), 0.9) & B(In(o, table1), 0.9)")
+    [last] = [change for change in found.altered if change.kind in ("act", "end")]
+    assert last is found.altered[-1]
+    assert found.decisions == last.step + 1 < found.recorded
+    assert f"step {last.step}" in found.stopped
+
+
+def test_a_lower_threshold_ends_the_run_earlier_or_as_before() -> None:
+    low = what_if("sim1_green", "threshold=0.05")
+    assert low.altered[-1].kind == "act"
+    assert "goal_achieved" in low.altered[-1].now
+    assert low.decisions < low.recorded
+
+
+def test_a_limit_is_a_change_of_the_end() -> None:
+    found = what_if("sim1_green", "limits.steps=3")
+    [change] = found.altered
+    assert (change.step, change.kind) == (3, "act")
+    assert "limit_reached" in change.now
+    assert found.stopped
+
+
+def test_what_the_robot_is_told_can_be_changed() -> None:
+    """Told of worse sensors, it believes something else: no recorded geometric answer is about that belief."""
+    assert what_if("sim1_green", "noise.detection.found=0.7").planned > 0
+
+
+@pytest.mark.parametrize("flag", ["world.0.type=bottle", "robot.base.x=1.0", "seed=3", "disturbances=[]", "nonsense=1"])
+def test_what_was_recorded_cannot_be_set(flag: str) -> None:
+    with pytest.raises(InputError, match="what was recorded cannot change"):
+        changes_of({}, [flag])
+
+
+@pytest.mark.parametrize("value", ["0", "1.5", "high", ""])
+def test_a_threshold_is_a_probability(value: str) -> None:
+    with pytest.raises(InputError, match="above 0 and at most 1"):
+        changes_of({}, [f"threshold={value}"])
+
+
+def test_no_flag_is_no_change() -> None:
+    assert not changes_of({}, [])
+    assert Changes(threshold=0.5)
+
+
+def test_a_folder_of_traces_is_a_regression_test(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rules = tmp_path / "rules"
+    rules.mkdir()
+    (rules / "look.lp").write_bytes((RULES / "look.lp").read_bytes())
+    traces = [str(recorded(name)) for name in ("sim1_green", "occluded")]
+    assert command("replay", *traces, "--rules", str(rules)) == 0
+    assert "2 traces: 2 same" in capsys.readouterr().out
+    assert command("replay", *traces, "--set", "limits.steps=2") == 1
+    out = capsys.readouterr().out
+    assert "2 traces: 2 changed" in out
+    assert "step 2, act: was LookAt(sodaB), would be the end, limit_reached" in out
+
+
+def test_a_folder_without_rules_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command("replay", str(recorded("sim1_green")), "--rules", str(tmp_path)) == 2
+    assert "no rule files" in capsys.readouterr().err
+
+
+def test_what_if_does_not_go_with_a_comparison(capsys: pytest.CaptureFixture[str]) -> None:
+    assert command("replay", str(recorded("sim1_green")), "--set", "threshold=0.5", "--re-anchor") == 2
+    assert "--re-anchor" in capsys.readouterr().err
+
+
+def command(*arguments: str) -> int:
+    """Run `skolem` in this process and return its exit status."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["skolem", *arguments])
+        return main()

@@ -1,0 +1,167 @@
+"""A recorded run, as a replay reads it: what the robot was told, and step by step what it thought and met."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TypeVar
+
+from skolem.traces.codec import NO_CHAIN, counter_of
+from skolem.traces.diff import by_step
+from skolem.traces.errors import TraceError
+from skolem.traces.known_fields import KnownFields
+from skolem.traces.messages import (
+    JSON_TOPICS,
+    Action,
+    ActionResult,
+    Belief,
+    Chain,
+    Geometry,
+    Memory,
+    Message,
+    Observation,
+    Perf,
+    Prior,
+    RunEnd,
+    RunStart,
+    canonical,
+)
+from skolem.traces.reader import Recorded, Trace
+
+DECISIONS = tuple(topic for topic in JSON_TOPICS if counter_of(topic) == "decision")
+CUT_SHORT = ("error", "interrupted")  # ends that the recorder wrote, not the mind
+
+M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True)
+class RecordedStep:
+    """One decision of a recorded run, and what came of it.
+
+    Attributes:
+        step: Its number.
+        messages: INPUT and DERIVED, in file order.
+        link: The hash chain before it.
+        last: Whether no other follows.
+    """
+
+    step: int
+    messages: list[Recorded]
+    link: str
+    last: bool
+
+    def all_of(self, model: type[M]) -> list[M]:
+        """Return the messages of one type, decoded."""
+        found = [m.message for m in self.messages if JSON_TOPICS[m.topic][0] is model]
+        return [message for message in found if isinstance(message, model)]
+
+    def the(self, model: type[M]) -> M | None:
+        """Return the message of one type; None if there is none."""
+        return next(iter(self.all_of(model)), None)
+
+    @cached_property
+    def action(self) -> Action | None:
+        """What was decided; None at the end of the run, or if it was cut short."""
+        return self.the(Action)
+
+    @cached_property
+    def met(self) -> tuple[ActionResult, Observation] | None:
+        """What came of the action; None if nothing did."""
+        result, observation = self.the(ActionResult), self.the(Observation)
+        return None if result is None or observation is None else (result, observation)
+
+    @cached_property
+    def end(self) -> RunEnd | None:
+        """The end of the run, at its last step."""
+        return self.the(RunEnd)
+
+    @property
+    def belief(self) -> Belief | None:
+        """What was believed before the decision."""
+        return self.the(Belief)
+
+    @property
+    def memory(self) -> Memory | None:
+        """What the reasoner remembered before the decision; None in traces of older versions."""
+        return self.the(Memory)
+
+    @property
+    def answers(self) -> list[Geometry]:
+        """The geometric questions that were asked, with their answers."""
+        return self.all_of(Geometry)
+
+
+class RecordedRun:
+    """A trace, opened for replay.
+
+    Attributes:
+        path: The trace.
+        start: What the run was made of.
+        told: The initial belief.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open a trace.
+
+        Raises:
+            TraceError: If it cannot be read, or does not begin as a run.
+        """
+        self.path = path
+        self._trace = Trace(path)
+        head = next(self._groups())
+        found = {m.topic: m for m in head}
+        if not {"/run/start", "/prior"} <= found.keys():
+            raise TraceError(f"{path}: nothing to replay: the run was not yet told its goal and its prior belief")
+        start, told = found["/run/start"].message, found["/prior"].message
+        assert isinstance(start, RunStart)
+        assert isinstance(told, Prior)
+        self.start, self.told, self.head = start, told, head
+        schemas = self._trace.schemas
+        self._known = {topic: KnownFields(schemas[topic]) for topic in DECISIONS if topic in schemas}
+
+    @property
+    def attachments(self) -> dict[str, bytes]:
+        """The scenario and the rule files of the run, by name."""
+        return self._trace.attachments
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """The machine and the library versions of the run."""
+        return self._trace.metadata.get("env", {})
+
+    def encoded(self, topic: str, message: Message) -> bytes | None:
+        """Return a message as this trace would hold it: without what its version did not know; None if not at all."""
+        if topic not in self._known:
+            return None
+        return canonical(self._known[topic].of(message.model_dump(mode="json")))
+
+    def steps(self) -> Iterator[RecordedStep]:
+        """Yield every decision in order."""
+        groups = self._groups()
+        next(groups)
+        link, group = NO_CHAIN, next(groups, None)
+        while group is not None:
+            following = next(groups, None)
+            yield RecordedStep(_step_of(group[0]), group, link, following is None)
+            link, group = _link_of(group), following
+
+    def wall_seconds(self) -> float | None:
+        """Return how long the run took; None if its wall times were not recorded."""
+        last = None
+        for message in self._trace.messages("/perf"):
+            last = message.message
+        return last.milliseconds["total"] / 1e3 if isinstance(last, Perf) else None
+
+    def _groups(self) -> Iterator[list[Recorded]]:
+        return by_step(self._trace.messages(*DECISIONS))
+
+
+def _step_of(message: Recorded) -> int:
+    belief = message.message
+    assert isinstance(belief, Belief)
+    return belief.step
+
+
+def _link_of(group: list[Recorded]) -> str:
+    chains = [m.message for m in group if m.topic == "/chain"]
+    return next((chain.chain for chain in chains if isinstance(chain, Chain)), NO_CHAIN)

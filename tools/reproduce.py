@@ -1,0 +1,54 @@
+"""The verb `reproduce`."""
+
+import json as json_format
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+
+@app.command()
+def reproduce(
+    trace: Annotated[Path, typer.Argument(help="Trace of a run.")],
+    keep: Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the trace of the new run here.")] = None,
+    atol: Annotated[
+        float | None, typer.Option(min=0.0, help="Absolute tolerance of floats, instead of the table's.")
+    ] = None,
+    rtol: Annotated[
+        float | None, typer.Option(min=0.0, help="Relative tolerance of floats, instead of the table's.")
+    ] = None,
+    all_: Annotated[bool, typer.Option("--all", help="Print every divergence, not the first alone.")] = False,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the result.")] = False,
+) -> None:
+    """Run a recorded run again from its attached scenario, rules and seed, and compare everything but wall times.
+
+    Exit status: 0 identical, 1 the runs part, 2 bad input, 3 the trace cannot be read, 130 interrupted.
+    """
+    from skolem.tools import fingerprint, reproducing
+    from skolem.tools.divergences import comparison_fields, divergence_lines
+    from skolem.tools.live import watcher_for
+    from skolem.traces.diff import tolerance_for
+    from skolem.traces.reader import Trace
+
+    old = Trace(trace)
+    other = fingerprint.differences(old.metadata.get("env", {}))
+    tolerance = tolerance_for("other machine" if other else "equal machine").with_floats(atol, rtol)
+    setup = reproducing.setup_in(old)
+    with tempfile.TemporaryDirectory() as folder, watcher_for(setup, quiet or json) as watcher:
+        out = keep or Path(folder) / "again.mcap"
+        comparison = reproducing.reproduce(old, setup, out, watcher, tolerance, all_)
+    if json:
+        fields = {"trace": str(trace), "identical": comparison.identical, "machine_differs_in": other}
+        print(json_format.dumps(fields | comparison_fields(comparison)))
+    else:
+        word = "IDENTICAL" if comparison.identical else f"{comparison.differing.total()} differ"
+        machine = [f"recorded on another machine ({', '.join(other)}): floats compared with tolerance"] if other else []
+        head = f"{trace}: {comparison.compared.total()} messages: {word}"
+        print("\n".join([head, *machine, *divergence_lines(comparison)]))
+    raise typer.Exit(0 if comparison.identical else 1)

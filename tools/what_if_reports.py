@@ -1,0 +1,61 @@
+"""What-if replays from the command line: what changes in a run, in words."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+
+from skolem.tools.other_minds import changes_of, given_with
+from skolem.tools.recorded_rules import Rulebooks
+from skolem.tools.recorded_run import RecordedRun
+from skolem.tools.replay_reports import Report
+from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.what_if import Foreseen, foresee
+
+SHOWN = 200  # characters of a line
+
+
+class WhatIf:
+    """The same changes, for one run after the other."""
+
+    def __init__(self, rules: Mapping[str, bytes], overrides: Sequence[str]) -> None:
+        """Take over what is to be otherwise.
+
+        Raises:
+            InputError: If an override is about what was recorded.
+        """
+        self._changes = changes_of(rules, overrides)
+        self._rulebooks = Rulebooks()
+
+    def report(self, run: RecordedRun) -> Report:
+        """Return what would change in a run.
+
+        Raises:
+            InputError: If the changed rules, goal or scenario are not sound.
+        """
+        foreseen = foresee(run, given_with(run, self._changes, self._rulebooks), Stopwatch())
+        rows = [asdict(altered) for altered in foreseen.altered]
+        fields = {
+            "decisions": foreseen.decisions,
+            "recorded": foreseen.recorded,
+            "altered": rows,
+            "stopped": foreseen.stopped,
+            "planned_questions": foreseen.planned,
+        }
+        return Report("changed" if rows else "same", _lines(foreseen), fields)
+
+
+def _lines(foreseen: Foreseen) -> list[str]:
+    if not foreseen.altered:
+        return [f"same: {foreseen.decisions} decisions"]
+    kinds = Counter(altered.kind for altered in foreseen.altered)
+    counts = ", ".join(f"{count} in {kind}" for kind, count in kinds.items())
+    lines = [f"CHANGED: {len(foreseen.altered)} of {foreseen.decisions} decisions ({counts})"]
+    lines += [_short(str(altered)) for altered in foreseen.altered]
+    if foreseen.stopped:
+        rest = foreseen.recorded - foreseen.decisions
+        lines.append(f"stopped: {foreseen.stopped}; {rest} more decisions were not taken")
+    return lines
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
