@@ -44,6 +44,19 @@ def record_run() -> Callable[..., str]:
 
 
 @pytest.fixture(scope="session")
+def green_trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the trace of a whole run in the world without physics, in which plans are dropped."""
+    from skolem.tools.live import Silence
+    from skolem.tools.session import Outcome, prepare, run
+    from skolem.tools.stopwatch import Stopwatch
+
+    path = tmp_path_factory.mktemp("green") / "green.mcap"
+    setup = prepare(ROOT / "scenarios" / "sim1_green.yaml", seed=3, world="symbolic")
+    run(setup, path, Silence(), Stopwatch(), Outcome())
+    return path
+
+
+@pytest.fixture(scope="session")
 def type_farm() -> Path:
     """Return the folder of links that lets type checkers see `skolem.*`, made if it is absent."""
     TYPE_FARM.mkdir(parents=True, exist_ok=True)

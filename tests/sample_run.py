@@ -1,6 +1,7 @@
 """Record a small run that touches every class of topic: `python sample_run.py OUT.mcap`."""
 
 import sys
+from hashlib import sha256
 from pathlib import Path
 
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
@@ -19,6 +20,8 @@ from skolem.traces.messages import (
 )
 from skolem.traces.writer import TraceWriter
 
+SCENARIO = b"skolem: 1\n"
+RULES = {f"{name}.lp": f"% {name}, Schlüssel\n".encode() for name in ("look", "pick", "move", "place")}
 ARM = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
 TICKS_PER_STEP = 480
 
@@ -27,7 +30,7 @@ def record(path: Path, steps: int = 3, profile: bool = False, wall_ms: float = 1
     """Record `steps` looks and return the content hash; without last words the run has no end record of its own."""
     writer = TraceWriter(
         path,
-        attachments={"scenario.yaml": b"skolem: 1\n", "rules/look.lp": "% blick, Schlüssel\n".encode()},
+        attachments={"scenario.yaml": SCENARIO} | {f"rules/{name}": text for name, text in RULES.items()},
         run={"seed": "7"},
         env={"python": "3"},
         profile=profile,
@@ -47,8 +50,8 @@ def run_start() -> RunStart:
     limits = Limits(steps=60, expansions=2000, hierarchy_depth=16, min_plan_probability=1e-4)
     return RunStart(
         scenario="sample",
-        scenario_sha256="00",
-        rules_sha256={name: "00" for name in {"look", "pick", "move", "place"}},  # a set: any order
+        scenario_sha256=sha256(SCENARIO).hexdigest(),
+        rules_sha256={name: sha256(RULES[name]).hexdigest() for name in set(RULES)},  # a set: any order
         robot_sha256="00",
         world="symbolic",
         seed=7,

@@ -8,13 +8,16 @@ from rich.console import Console
 
 from skolem.reasoner.agent import Turn
 from skolem.reasoner.goals import Closest
-from skolem.tools.live import Lines, Picture, belief_rows, drop_text, plan_lines, size_of, watcher_for
+from skolem.tools.belief_table import belief_rows, size_of
+from skolem.tools.live import Lines, Picture, drop_text, watcher_for
+from skolem.tools.plan_tree import plan_lines
 from skolem.tools.session import prepare
 from skolem.traces.messages import (
     Action,
     ActionResult,
     Belief,
     Decision,
+    Denotation,
     Detection,
     HsvBelief,
     HsvVolume,
@@ -30,6 +33,7 @@ from skolem.traces.messages import (
 )
 
 ROOT = Path(__file__).parent.parent
+NOBODY = Denotation(step=4, probability={})
 ROBOT = RobotState(right_arm=(0.0,) * 7, left_arm=(0.0,) * 7)
 MEANINGS: dict[str, Meaning] = {
     "green": HsvVolume(hue=(0.25, 0.45), saturation=(0.4, 1.0), value=(0.2, 1.0)),
@@ -124,9 +128,9 @@ def test_dropped_plans_say_which_fluents_became_false() -> None:
 def test_a_line_per_executed_action_goes_to_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
     with Lines() as lines:
         lines.believed(belief(), 0)
-        lines.decided(Turn(Closest(), plans=[PLAN], action=LOOK))
+        lines.decided(Turn(Closest(), NOBODY, plans=[PLAN], action=LOOK))
         lines.acted(LOOK, DONE, Observation(step=4, kind="look", detections=(SEEN,)))
-        lines.decided(Turn(Closest(), action=LOOK))
+        lines.decided(Turn(Closest(), NOBODY, action=LOOK))
         lines.acted(LOOK, DONE, Observation(step=4, kind="look"))
         wrench = Wrench(hand="right", force_newton=(0.1, 0.0, -3.4), samples=48)
         lines.acted(LOOK, DONE, Observation(step=4, kind="weigh", wrench=wrench))
@@ -144,13 +148,13 @@ def test_the_picture_on_a_terminal_shows_belief_plans_and_progress() -> None:
     drawn = io.StringIO()
     with Picture(setup, Console(file=drawn, force_terminal=True, width=120, color_system="truecolor")) as picture:
         picture.believed(belief(_o2_=known(colour_seen=True), _o3_=known(exists=0.1)), 480)
-        picture.decided(Turn(Closest(), plans=[PLAN], decisions=[DECISION], action=LOOK))
+        picture.decided(Turn(Closest(), NOBODY, plans=[PLAN], decisions=[DECISION], action=LOOK))
         picture.acted(LOOK, DONE, Observation(step=4, kind="look", detections=(SEEN,)))
         plain = Console(file=io.StringIO(), width=120)
         with plain.capture() as captured:
             plain.print(picture.picture())
         end = RunEnd(status="goal_achieved", steps=5, reason="every conjunct is believed", goal_probability=0.98)
-        picture.decided(Turn(Closest(), end=end))
+        picture.decided(Turn(Closest(), NOBODY, end=end))
     text = captured.get()
     for expected in (
         "goal  exists o.",

@@ -1,7 +1,6 @@
 """What a person sees while the robot works: on a terminal a live picture, otherwise a line per executed action.
 
-The picture has the paper's belief table (anchor, type d, pose d, color d, weight d; d is for distribution), the plan
-stack, and how far the run has come. The words low, med and high are of the variance: low is well known.
+The picture has the paper's belief table, the plan stack, and how far the run has come.
 """
 
 import colorsys
@@ -19,7 +18,8 @@ from rich.table import Table
 from rich.text import Text
 
 from skolem.reasoner.agent import Turn
-from skolem.tools.plan_tree import readable
+from skolem.tools.belief_table import COLUMNS, belief_rows
+from skolem.tools.plan_tree import plan_lines, readable
 from skolem.tools.session import DROPPED, Setup
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
@@ -28,82 +28,13 @@ from skolem.traces.messages import (
     Belief,
     Decision,
     HsvBelief,
-    HsvVolume,
     Meaning,
-    ObjectBelief,
     Observation,
     Plan,
 )
 
-COLUMNS = ("anchor", "type d", "pose d", "color d", "weight d")
-POSE_SD_M = (0.01, 0.05)  # below the first a variance is low, above the second high
-COLOUR_SD = (0.05, 0.15)  # of the hue
-WEIGHT_SD = (0.12, 0.40)  # of ln(kg): about that share of the weight
 UNSURE = 0.5  # anchors less likely to exist are shown dim
 WIDTH = 100
-
-
-def belief_rows(belief: Belief, meanings: Mapping[str, Meaning]) -> list[tuple[str, ...]]:
-    """Return the belief as the paper prints it: one row per anchor, cells in the order of `COLUMNS`."""
-    return [
-        (anchor, _type(known), _pose(known), _colour(known, meanings), _weight(known))
-        for anchor in belief.anchors
-        for known in [belief.objects[anchor]]
-    ]
-
-
-def size_of(sd: float, bounds: tuple[float, float]) -> str:
-    """Return low, med or high for the variance that belongs to a standard deviation."""
-    return "low" if sd < bounds[0] else "med" if sd <= bounds[1] else "high"
-
-
-def _type(known: ObjectBelief) -> str:
-    name = max(sorted(known.type), key=known.type.__getitem__)
-    return f"{name}, {known.type[name]:.2f}".replace("0.", ".")
-
-
-def _pose(known: ObjectBelief) -> str:
-    if known.in_hand is not None:
-        return "in hand"
-    x, y = known.world_T_object[:2]
-    a, b, _, c, _, _ = known.covariance
-    largest = (a + c) / 2.0 + math.hypot((a - c) / 2.0, b)
-    return f"({x:.2f}, {y:.2f}), {size_of(math.sqrt(max(0.0, largest)), POSE_SD_M)}"
-
-
-def _colour(known: ObjectBelief, meanings: Mapping[str, Meaning]) -> str:
-    if not known.colour_seen:
-        return "prior"
-    return f"{colour_name(known.colour, meanings)}, {size_of(math.sqrt(known.colour.variance[0]), COLOUR_SD)}"
-
-
-def colour_name(colour: HsvBelief, meanings: Mapping[str, Meaning]) -> str:
-    """Return the first colour word, by alphabet, whose volume contains the mean, or the mean itself."""
-    h, s, v = colour.mean
-    for word, meaning in sorted(meanings.items()):
-        if not isinstance(meaning, HsvVolume):
-            continue
-        low, high = meaning.hue
-        around = low <= h % 1.0 <= high if low <= high else h % 1.0 >= low or h % 1.0 <= high
-        within = meaning.saturation[0] <= s <= meaning.saturation[1]
-        if around and within and meaning.value[0] <= v <= meaning.value[1]:
-            return word
-    return f"hsv {h % 1.0:.2f} {s:.2f} {v:.2f}"
-
-
-def _weight(known: ObjectBelief) -> str:
-    if not known.weighed:
-        return "prior"
-    mean, variance = known.log_weight
-    return f"{1000.0 * math.exp(mean):.0f} g, {size_of(math.sqrt(variance), WEIGHT_SD)}"
-
-
-def plan_lines(plan: Plan) -> list[str]:
-    """Return the plan stack, a line per layer, the chosen step of each in angle brackets."""
-    return [
-        f"{'  ' * depth}" + "  ".join(f"<{step.op}>" if i == chosen else step.op for i, step in enumerate(layer))
-        for depth, (layer, chosen) in enumerate(zip(plan.layers, plan.current, strict=True))
-    ]
 
 
 def drop_text(plans: list[Plan]) -> str:

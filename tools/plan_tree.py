@@ -1,4 +1,4 @@
-"""The plans of a whole run as a tree: one row per plan, below it the plans that refined its steps and what was done."""
+"""Plans as text: of a whole run as a tree of plans, refinements and what was done; of one moment as a stack."""
 
 import math
 import re
@@ -9,7 +9,7 @@ from skolem.traces.messages import Action, Plan, PlanStep
 
 _BELIEF = re.compile(r"^b\((.*),(\d+)\)$")
 _PLANNED = ("start", "refine")
-_DROPPED = ("preimage_lost", "refused")
+DROPPED = ("preimage_lost", "refused")  # causes for which plans are given up
 
 
 def tree_lines(plans: Iterable[Plan], actions: Iterable[Action]) -> list[str]:
@@ -27,8 +27,8 @@ def tree_lines(plans: Iterable[Plan], actions: Iterable[Action]) -> list[str]:
             continue
         if item.cause in _PLANNED:
             lines.append(_row(item))
-        elif item.cause in _DROPPED:
-            lines.append(f"{'  ' * len(item.layers)}{_drop(item)}")
+        elif item.cause in DROPPED:
+            lines.append(f"{'  ' * len(item.layers)}{drop_line(item)}")
         depth = len(item.layers)
     return lines
 
@@ -46,9 +46,18 @@ def _steps(layer: Iterable[PlanStep]) -> Iterator[str]:
             yield f"{step.op} @{step.level}/{step.concrete}" if primitive else f"-{step.op}->"
 
 
-def _drop(plan: Plan) -> str:
+def drop_line(plan: Plan) -> str:
+    """Return why a plan was given up."""
     false = ", ".join(map(readable, plan.false_fluents))
     return f"dropped, no longer so: {false}" if plan.cause == "preimage_lost" else f"cannot be done here: {false}"
+
+
+def plan_lines(plan: Plan) -> list[str]:
+    """Return the plan stack, a line per layer, the chosen step of each in angle brackets."""
+    return [
+        f"{'  ' * depth}" + "  ".join(f"<{step.op}>" if i == chosen else step.op for i, step in enumerate(layer))
+        for depth, (layer, chosen) in enumerate(zip(plan.layers, plan.current, strict=True))
+    ]
 
 
 def readable(fluent: str) -> str:

@@ -1,0 +1,69 @@
+// Read a trace with @mcap/core, by its index and as a stream, and print what is in it as one JSON object:
+// per topic its schema's name, encoding and text, its message encoding and the number of messages.
+import { open } from "node:fs/promises";
+import { McapIndexedReader, McapStreamReader } from "@mcap/core";
+import zstd from "@foxglove/wasm-zstd";
+
+await zstd.isLoaded;
+const decompressHandlers = { zstd: (data, size) => zstd.decompress(data, Number(size)) };
+const file = await open(process.argv[2]);
+const bytes = await file.readFile();
+
+function entry(topics, channel, schemas) {
+  const schema = schemas.get(channel.schemaId);
+  topics[channel.topic] ??= {
+    schema: schema.name,
+    schemaEncoding: schema.encoding,
+    schemaBase64: Buffer.from(schema.data).toString("base64"),
+    encoding: channel.messageEncoding,
+    messages: 0,
+  };
+  return topics[channel.topic];
+}
+
+function parsed(topic, data) {
+  if (topic.encoding === "json") {
+    JSON.parse(new TextDecoder().decode(data));
+  }
+  topic.messages += 1;
+}
+
+async function byIndex() {
+  const readable = {
+    size: async () => BigInt(bytes.length),
+    read: async (offset, length) => new Uint8Array(bytes.subarray(Number(offset), Number(offset + length))),
+  };
+  const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers });
+  const topics = {};
+  for (const channel of reader.channelsById.values()) {
+    entry(topics, channel, reader.schemasById);
+  }
+  for await (const message of reader.readMessages()) {
+    parsed(topics[reader.channelsById.get(message.channelId).topic], message.data);
+  }
+  const attachments = {};
+  for await (const attachment of reader.readAttachments()) {
+    attachments[attachment.name] = attachment.data.length;
+  }
+  return { topics, attachments };
+}
+
+function asStream() {
+  const reader = new McapStreamReader({ decompressHandlers, validateCrcs: true });
+  reader.append(bytes);
+  const [schemas, channels, topics] = [new Map(), new Map(), {}];
+  for (let record = reader.nextRecord(); record; record = reader.nextRecord()) {
+    if (record.type === "Schema") {
+      schemas.set(record.id, record);
+    } else if (record.type === "Channel") {
+      channels.set(record.id, record);
+      entry(topics, record, schemas);
+    } else if (record.type === "Message") {
+      parsed(topics[channels.get(record.channelId).topic], record.data);
+    }
+  }
+  return { topics, done: reader.done() };
+}
+
+console.log(JSON.stringify({ index: await byIndex(), stream: asStream() }));
+await file.close();

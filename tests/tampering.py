@@ -1,0 +1,51 @@
+"""Traces changed by hand, as a sound container: what remains to notice is what the trace says of itself."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from mcap.records import Chunk, DataEnd, Message
+
+from skolem.traces.container import Copy, contents, pieces
+from skolem.traces.writer import CHUNK_BYTES
+
+Edit = Callable[[list[object]], list[object]]
+
+
+def rewrite(source: Path, target: Path, edit: Edit) -> Path:
+    """Write `source` again with its records edited: header, metadata, attachments, schemas, channels and messages."""
+    with Copy(target, CHUNK_BYTES) as copy:
+        for record in edit(records_of(source)):
+            copy.add(record)
+    return target
+
+
+def records_of(path: Path) -> list[object]:
+    """Return the records of a trace in file order, chunks opened."""
+    found: list[object] = []
+    with path.open("rb") as file:
+        for piece in pieces(file):
+            if isinstance(piece.record, DataEnd):
+                return found
+            found += contents(piece) if isinstance(piece.record, Chunk) else [piece.record]
+    raise AssertionError("no data end")
+
+
+def messages(edit: Callable[[list[Message]], list[Message]]) -> Edit:
+    """Edit the messages alone."""
+
+    def whole(records: list[object]) -> list[object]:
+        found = [record for record in records if isinstance(record, Message)]
+        return [record for record in records if not isinstance(record, Message)] + list(edit(found))
+
+    return whole
+
+
+def renumbered(found: list[Message]) -> list[Message]:
+    """Return messages of one counter with the counter gap-free again, as somebody who hides a change would."""
+    return [replace(message, sequence=number) for number, message in enumerate(found)]
+
+
+def each(kind: type[object], change: Callable[..., object]) -> Edit:
+    """Change every record of one kind."""
+    return lambda records: [change(record) if isinstance(record, kind) else record for record in records]

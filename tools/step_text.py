@@ -1,0 +1,227 @@
+"""One decision of a recorded run in words: what was believed, planned and considered, what was done and sensed."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from skolem.tools.belief_table import COLUMNS, belief_rows, object_cells, probability, table_lines
+from skolem.tools.plan_tree import DROPPED, drop_line, plan_lines, readable
+from skolem.tools.recorded_rules import rulebook_of
+from skolem.traces.errors import Fault, InputError
+from skolem.traces.messages import (
+    TICKS_PER_SECOND,
+    Action,
+    ActionResult,
+    Belief,
+    Decision,
+    Denotation,
+    Detection,
+    Meaning,
+    Observation,
+    Plan,
+    RunEnd,
+)
+from skolem.traces.reader import Trace
+
+TOPICS = ("/belief", "/denotation", "/plan", "/decision", "/action", "/action/result", "/obs", "/run/end")
+CANDIDATES = 12  # shown of one search, cheapest first
+HISTORY_COLUMNS = ("step", "after", "exists", *COLUMNS[1:])
+
+
+@dataclass(slots=True)
+class Moment:
+    """Everything recorded of one decision.
+
+    Attributes:
+        step: Actions executed before.
+        tick: Simulated time of the decision.
+        belief: What was believed.
+        denotation: Whom the robot took to be meant; None in a trace that does not say.
+        stack: The plan stack with which the decision ended.
+        plans: Every change of the plan stack.
+        decisions: Every search.
+        action: What was done; None if the run ended here.
+        result: What the joints said of it.
+        observation: What the sensors said after it.
+        end: How the run ended, if it ended here.
+    """
+
+    step: int
+    tick: int = 0
+    belief: Belief | None = None
+    denotation: Denotation | None = None
+    stack: Plan | None = None
+    plans: list[Plan] = field(default_factory=list)
+    decisions: list[Decision] = field(default_factory=list)
+    action: Action | None = None
+    result: ActionResult | None = None
+    observation: Observation | None = None
+    end: RunEnd | None = None
+
+    def take(self, message: object) -> None:
+        """Take in a message of this decision."""
+        match message:
+            case Belief():
+                self.belief = message
+            case Denotation():
+                self.denotation = message
+            case Plan():
+                self.plans.append(message)
+            case Decision():
+                self.decisions.append(message)
+            case Action():
+                self.action = message
+            case ActionResult():
+                self.result = message
+            case Observation():
+                self.observation = message
+            case _:
+                pass
+
+
+def moment(trace: Trace, step: int) -> Moment:
+    """Read one decision.
+
+    Raises:
+        InputError: If the run has none of that number.
+    """
+    found, last = Moment(step), 0
+    for recorded in trace.messages(*TOPICS):
+        message = recorded.message
+        if isinstance(message, Plan) and message.step <= step:
+            found.stack = message
+        if isinstance(message, RunEnd):
+            found.end = message if message.steps == step else None
+        elif (last := getattr(message, "step", last)) == step:
+            found.tick = recorded.tick if isinstance(message, Belief) else found.tick
+            found.take(message)
+    if found.belief is None:
+        raise InputError([Fault("--step", 0, 0, f"the run has decisions 0 to {last}, got {step}")])
+    return found
+
+
+def moment_lines(found: Moment, meanings: Mapping[str, Meaning]) -> list[str]:
+    """Return a decision as lines of text."""
+    assert found.belief is not None, "`moment` has found one"
+    lines = [f"step {found.step}, {found.tick / TICKS_PER_SECOND:.2f} s simulated", ""]
+    lines += table_lines(COLUMNS, belief_rows(found.belief, meanings))
+    lines += [*_doubts(found.belief), *_regions(found.belief), *_meant(found.denotation)]
+    if any(plan.cause in DROPPED for plan in found.plans):
+        lines += ["", *(drop_line(plan) for plan in found.plans if plan.cause in DROPPED)]
+    if found.stack is not None and found.stack.layers:
+        lines += ["", "plan stack (the chosen step of each layer in angle brackets)"]
+        lines += [f"  {line}" for line in plan_lines(found.stack)]
+    for decision in found.decisions:
+        lines += ["", *_search(decision)]
+    return [*lines, "", *_outcome(found)]
+
+
+def _doubts(belief: Belief) -> list[str]:
+    doubts = [(a, belief.objects[a].exists) for a in belief.anchors if belief.objects[a].exists < 1.0]
+    return [f"exists: {', '.join(f'{anchor} {probability(p)}' for anchor, p in doubts)}"] if doubts else []
+
+
+def _regions(belief: Belief) -> list[str]:
+    known = [f"{name} on {region.support} {probability(region.seen)}" for name, region in belief.regions.items()]
+    return [f"contents known: {', '.join(known)}"] if known else []
+
+
+def _meant(denotation: Denotation | None) -> Iterator[str]:
+    for description, table in ({} if denotation is None else denotation.probability).items():
+        ranked = sorted(table.items(), key=lambda item: (-item[1], item[0]))
+        yield f"P(Den) of {description}: {', '.join(f'{anchor} {p:.3f}' for anchor, p in ranked) or 'nobody'}"
+
+
+def _search(decision: Decision) -> Iterator[str]:
+    """Yield what was asked, what was found, and the candidates of the first expansion."""
+    yield f"search for {' & '.join(map(readable, decision.subgoal))}"
+    found = f"p = {math.exp(-decision.cost / 1e6):.3f}: {' ; '.join(decision.plan)}" if decision.plan else "no plan"
+    yield f"  {found}"
+    calls = f"{decision.clingo_calls} rule call{'' if decision.clingo_calls == 1 else 's'}"
+    expansions = f"{decision.expansions} expansion{'' if decision.expansions == 1 else 's'}"
+    yield f"  {expansions}, {calls}, {decision.ground_atoms} ground atoms"
+    width = max((len(candidate.op) for candidate in decision.candidates[:CANDIDATES]), default=0)
+    for candidate in decision.candidates[:CANDIDATES]:
+        said = "offered" if candidate.rejected is None else f"rejected: {candidate.rejected.replace('_', ' ')}"
+        yield f"  p {math.exp(-candidate.cost / 1e6):.3f}  {candidate.op.ljust(width)}  {said}"
+    if len(decision.candidates) > CANDIDATES:
+        yield f"  and {len(decision.candidates) - CANDIDATES} more (all with --json)"
+
+
+def _outcome(found: Moment) -> Iterator[str]:
+    """Yield what was done and what came of it, or how the run ended."""
+    if found.action is not None:
+        yield f"did: {found.action.op}" + ("" if found.result is None else f" -> {found.result.status}")
+    if found.observation is not None:
+        yield from _sensed(found.observation)
+    if found.end is not None:
+        yield f"{found.end.status}: {found.end.reason}"
+
+
+def _sensed(observation: Observation) -> Iterator[str]:
+    if observation.kind == "look":
+        yield f"saw: {len(observation.detections) or 'no'} object{'' if len(observation.detections) == 1 else 's'}"
+        for detection in observation.detections:
+            yield f"  {_seen(detection)}"
+    if observation.wrench is not None:
+        yield f"felt: {-observation.wrench.force_newton[2]:.2f} N in the {observation.wrench.hand} hand"
+
+
+def _seen(detection: Detection) -> str:
+    likelihoods = detection.type_log_likelihood
+    kind = max(sorted(likelihoods), key=likelihoods.__getitem__, default="of no type")
+    x, y, z, _ = detection.base_T_object
+    rgb = " ".join(f"{channel:.2f}" for channel in detection.rgb)
+    return f"{kind} at ({x:.2f}, {y:.2f}, {z:.2f}) from the base, rgb {rgb}, {detection.points} points"
+
+
+def moment_fields(found: Moment, meanings: Mapping[str, Meaning]) -> dict[str, object]:
+    """Return a decision as the fields of `--json`: the table's rows, and the messages as recorded."""
+    assert found.belief is not None, "`moment` has found one"
+    optional = {
+        "denotation": found.denotation,
+        "stack": found.stack,
+        "action": found.action,
+        "result": found.result,
+        "observation": found.observation,
+        "end": found.end,
+    }
+    return {
+        "step": found.step,
+        "simulated_s": round(found.tick / TICKS_PER_SECOND, 3),
+        "belief": [dict(zip(COLUMNS, row, strict=True)) for row in belief_rows(found.belief, meanings)],
+        "exists": {anchor: found.belief.objects[anchor].exists for anchor in found.belief.anchors},
+        "plans": [plan.model_dump(mode="json") for plan in found.plans],
+        "decisions": [decision.model_dump(mode="json") for decision in found.decisions],
+    } | {name: None if message is None else message.model_dump(mode="json") for name, message in optional.items()}
+
+
+def history(trace: Trace, anchor: str, meanings: Mapping[str, Meaning]) -> list[tuple[str, ...]]:
+    """Return an object's rows, one per decision at which it is believed in: step, what was done before, the cells.
+
+    Raises:
+        InputError: If no belief of the run has an object of that name.
+    """
+    rows: list[tuple[str, ...]] = []
+    known, did = set[str](), ""
+    for recorded in trace.messages("/belief", "/action"):
+        message = recorded.message
+        if isinstance(message, Action):
+            did = message.op
+        elif isinstance(message, Belief):
+            known |= message.objects.keys()
+            if anchor in message.objects:
+                item = message.objects[anchor]
+                rows.append((str(message.step), did, probability(item.exists), *object_cells(item, meanings)))
+    if not rows:
+        raise InputError([Fault("--object", 0, 0, f"no belief has {anchor!r}; there are: {', '.join(sorted(known))}")])
+    return rows
+
+
+def words_of(trace: Trace) -> Mapping[str, Meaning]:
+    """Return the meanings of the words in a run's own rules.
+
+    Raises:
+        InputError: If this version cannot read the rules of the run.
+    """
+    return rulebook_of(trace.attachments).vocabulary.meanings

@@ -1,0 +1,328 @@
+"""Whether a trace is sound: what can be said of a file by itself, without simulator, estimator or reasoner.
+
+The file is read once, from the beginning, with the memory of one chunk. The first fault ends the reading: what follows
+a fault may be a consequence of it.
+"""
+
+import hashlib
+import zlib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Never
+
+from mcap.records import Attachment, Channel, Chunk, ChunkIndex, DataEnd, Footer, Metadata, Schema
+from mcap.records import Message as McapMessage
+from mcap.stream_reader import MAGIC_SIZE
+from mcap.writer import MCAP0_MAGIC
+from pydantic import ValidationError
+
+from skolem.traces.clock import tick_at, time_ns
+from skolem.traces.codec import ContentHash, HashChain, counter_of, decode, encode, schema_bytes, schema_name
+from skolem.traces.container import CRC_SIZE, DamageError, Piece, contents, pieces
+from skolem.traces.errors import TraceError
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, RunStart
+from skolem.traces.reader import opened
+
+RECOVER = "`skolem recover {path} -o GOOD.mcap` saves every message that is whole"
+AGAIN = "take the file from where it was recorded; nothing can tell what it said there"
+FOREIGN = "this skolem cannot read it; use the version that recorded it (`skolem info` names it)"
+KILLED = "the run was killed; what is recorded can be read, shown and replayed as far as it goes"
+ENCODINGS = {True: ("jsonschema", "json"), False: ("protobuf", "protobuf")}  # by whether the topic is JSON
+
+
+@dataclass(frozen=True, slots=True)
+class Flaw:
+    """The first thing that is wrong with a trace.
+
+    Attributes:
+        message: What is wrong.
+        remedy: What to do.
+        byte: Where in the file the record begins that shows it (for a message, its chunk); None for the whole file.
+        number: Which message, counted from 0 in file order; None if it is no message.
+        topic: Of that message.
+        step: Of the decision that message belongs to; None before the first.
+    """
+
+    message: str
+    remedy: str
+    byte: int | None = None
+    number: int | None = None
+    topic: str | None = None
+    step: int | None = None
+
+    def __str__(self) -> str:
+        """Return place and message, and the remedy on a line of its own."""
+        return f"{self.place}{self.message}\n    {self.remedy}"
+
+    @property
+    def place(self) -> str:
+        """The place in words, with a colon; empty for the whole file."""
+        parts = [
+            *([] if self.number is None else [f"message {self.number}"]),
+            *([] if self.topic is None else [self.topic]),
+            *([] if self.step is None else [f"step {self.step}"]),
+            *([] if self.byte is None else [f"{'byte' if self.number is None else 'chunk at byte'} {self.byte}"]),
+        ]
+        return f"{', '.join(parts)}: " if parts else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """The result of checking one file.
+
+    Attributes:
+        path: The file.
+        flaw: The first fault; None if the trace is sound.
+        messages: Messages read, to the end or to the fault.
+        steps: Executed actions among them.
+        content_hash: Of what was read but wall times.
+        decision_hash: Of what the robot sensed, believed and decided.
+    """
+
+    path: Path
+    flaw: Flaw | None
+    messages: int
+    steps: int
+    content_hash: str
+    decision_hash: str
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing is wrong."""
+        return self.flaw is None
+
+
+def check(path: Path) -> Checked:
+    """Read a trace from end to end and return the first fault, if there is one."""
+    examiner = _Examiner()
+    flaw = _first_flaw(path, examiner)
+    hashes = examiner.hashes
+    return Checked(path, flaw, examiner.number, examiner.results, hashes.content, hashes.decision)
+
+
+def _first_flaw(path: Path, examiner: "_Examiner") -> Flaw | None:
+    try:
+        with opened(path) as file:
+            seal = _Seal()
+            for piece in pieces(file):
+                seal.take(piece)
+                examiner.take(piece)
+            if file.read(MAGIC_SIZE + 1) != MCAP0_MAGIC:
+                raise DamageError(file.tell(), "the file does not end as an MCAP file")
+        examiner.end()
+    except _UnsoundError as unsound:
+        return unsound.flaw
+    except DamageError as damage:
+        return Flaw(damage.message, RECOVER.format(path=path), byte=damage.byte)
+    except TraceError as error:
+        return Flaw(str(error).removeprefix(f"{path}: "), "name a file that `skolem run` has written", byte=0)
+    return None
+
+
+class _UnsoundError(Exception):
+    def __init__(self, flaw: Flaw) -> None:
+        self.flaw = flaw
+
+
+_expected_schema = cache(schema_bytes)
+
+
+class _Seal:
+    """The checksums of the whole file, and the index at its end."""
+
+    def __init__(self) -> None:
+        self._crc = zlib.crc32(MCAP0_MAGIC)
+        self._chunks: set[int] = set()
+        self._indexed: set[int] = set()
+
+    def take(self, piece: Piece) -> None:
+        """Take in the next record of the file.
+
+        Raises:
+            DamageError: If a checksum or the index is wrong.
+        """
+        match piece.record:
+            case DataEnd(data_section_crc=crc):
+                if crc != self._crc:
+                    raise DamageError(piece.byte, "the records before do not match their checksum: bytes were changed")
+                self._crc = 0
+                return
+            case Footer(summary_crc=crc):
+                if crc != zlib.crc32(piece.data[:-CRC_SIZE], self._crc):
+                    raise DamageError(piece.byte, "the index does not match its checksum: its bytes were changed")
+                if self._chunks != self._indexed:
+                    raise DamageError(piece.byte, "the index does not list the chunks that there are")
+            case Chunk():
+                self._chunks.add(piece.byte)
+            case ChunkIndex(chunk_start_offset=start):
+                self._indexed.add(start)
+            case _:
+                pass
+        self._crc = zlib.crc32(piece.data, self._crc)
+
+
+class _Examiner:
+    """What a trace says, compared with itself."""
+
+    def __init__(self) -> None:
+        self.hashes = ContentHash()
+        self.number = self.results = 0
+        self._chain = HashChain()
+        self._counters = {"decision": 0, "truth": 0, "perf": 0}
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, str] = {}
+        self._attached: dict[str, str] = {}
+        self._metadata: dict[str, dict[str, str]] = {}
+        self._start: RunStart | None = None
+        self._ended = False
+        self._log_time_ns = 0
+        self._step: int | None = None
+        self._byte: int | None = MAGIC_SIZE
+        self._topic: str | None = None
+
+    def take(self, piece: Piece) -> None:
+        """Take in the next record of the container.
+
+        Raises:
+            _UnsoundError: At the first fault.
+        """
+        self._byte = piece.byte
+        match piece.record:
+            case Metadata(name=name, metadata=metadata):
+                self._metadata[name] = metadata
+            case Attachment(name=name, data=data):
+                self._attached[name] = hashlib.sha256(data).hexdigest()
+            case Chunk():
+                self._check_version()
+                for record in contents(piece):
+                    self._take_inner(record)
+            case McapMessage():
+                self._fail("a message stands outside of the chunks, where a trace has none", FOREIGN)
+            case _:
+                pass
+
+    def _take_inner(self, record: Schema | Channel | McapMessage) -> None:
+        match record:
+            case Schema(id=number):
+                self._schemas[number] = record
+            case Channel():
+                self._take_channel(record)
+            case McapMessage(channel_id=number):
+                if number not in self._channels:
+                    self._fail(f"belongs to channel {number}, which does not exist", AGAIN)
+                self._topic = self._channels[number]
+                self._take_message(self._topic, record)
+                self._topic = None
+                self.number += 1
+
+    def _check_version(self) -> None:
+        written = self._metadata.get("run", {}).get("schema_version")
+        if written is None:
+            self._fail("an MCAP file, but not a trace: its metadata names no schema version", FOREIGN)
+        if written != str(SCHEMA_VERSION):
+            self._fail(f"has schema version {written}, known is {SCHEMA_VERSION}", FOREIGN)
+
+    def _take_channel(self, channel: Channel) -> None:
+        """Compare a topic's schema with the one this version would write."""
+        topic, schema = channel.topic, self._schemas.get(channel.schema_id)
+        if topic not in CLASS_OF:
+            self._fail(f"there is no topic {topic}", FOREIGN)
+        schema_encoding, encoding = ENCODINGS[topic in JSON_TOPICS]
+        if schema is None or (schema.name, schema.encoding) != (schema_name(topic), schema_encoding):
+            found = "none" if schema is None else f"{schema.encoding} {schema.name}"
+            self._fail(f"{topic} has the schema {found}, expected {schema_encoding} {schema_name(topic)}", FOREIGN)
+        if schema.data != _expected_schema(topic) or channel.message_encoding != encoding:
+            self._fail(f"the schema of {topic} is not the one that this version knows by that name", FOREIGN)
+        self._channels[channel.id] = topic
+
+    def _take_message(self, topic: str, record: McapMessage) -> None:
+        """Compare a message with those before and with its own schema."""
+        message, counter = self._decoded(topic, record.data), counter_of(topic)
+        if counter == "decision":
+            self._step = getattr(message, "step", self._step)
+        expected = self._counters[counter]
+        if record.sequence != expected:
+            said = f"is {counter} message {record.sequence}, expected {expected}: dropped, repeated or moved"
+            self._fail(said, AGAIN)
+        if record.log_time < self._log_time_ns:
+            self._fail(f"its time {record.log_time} ns is before {self._log_time_ns} ns", AGAIN)
+        if record.publish_time != record.log_time or time_ns(tick_at(record.log_time)) != record.log_time:
+            self._fail(f"its time {record.log_time} ns is not that of a tick", AGAIN)
+        if counter == "decision":
+            self._check_order(topic, message)
+        if isinstance(message, Chain) and message.chain != self._chain.close():
+            self._fail("the chain does not fit: a message since the link before was changed, dropped or moved", AGAIN)
+        self._chain.add(topic, record.data)
+        self.hashes.add(topic, record.data, record.log_time, record.sequence)
+        self._counters[counter] += 1
+        self._log_time_ns = record.log_time
+        self.results += topic == "/action/result"
+
+    def _decoded(self, topic: str, data: bytes) -> object:
+        try:
+            message = decode(topic, data)
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"])
+            self._fail(f"{where or 'its text'}: {first['msg']}", AGAIN)
+        except ValueError as error:
+            self._fail(f"does not follow its schema: {error}", AGAIN)
+        written = encode(topic, message)
+        if written != data:
+            byte = next((i for i, (a, b) in enumerate(zip(written, data, strict=False)) if a != b), len(written))
+            self._fail(f"is not written canonically, from byte {byte} of the message on", AGAIN)
+        return message
+
+    def _check_order(self, topic: str, message: object) -> None:
+        """See to it that the run begins with its start and ends with its end."""
+        if (self._start is None) != (topic == "/run/start"):
+            said = "the run starts twice" if self._start else "comes before /run/start"
+            self._fail(said, AGAIN)
+        if self._ended:
+            self._fail("comes after /run/end", AGAIN)
+        self._ended = topic == "/run/end"
+        if isinstance(message, RunStart):
+            self._start = message
+            self._check_made_of(message)
+
+    def _check_made_of(self, start: RunStart) -> None:
+        """Compare the start of the run with the attachments and metadata."""
+        expected = {f"rules/{name}": digest for name, digest in start.rules_sha256.items()}
+        expected["scenario.yaml"] = start.scenario_sha256
+        for name in sorted(self._attached | expected):
+            if name not in self._attached:
+                self._fail(f"{name} is named, but not attached", AGAIN)
+            if name not in expected:
+                self._fail(f"{name} is attached, but not named", AGAIN)
+            if self._attached[name] != expected[name]:
+                self._fail(f"{name} differs from the attached file", AGAIN)
+        run = self._metadata["run"]
+        for name, value in (("scenario", start.scenario), ("seed", str(start.seed)), ("world", start.world)):
+            if run.get(name, value) != value:
+                self._fail(f"the metadata say {name} {run[name]}, the start of the run says {value}", AGAIN)
+
+    def end(self) -> None:
+        """Take notice that the container has ended.
+
+        Raises:
+            _UnsoundError: If the run has not.
+        """
+        self._byte = None
+        if self._start is None:
+            self._fail("the trace holds no /run/start", FOREIGN)
+        if not self._ended:
+            raise _UnsoundError(Flaw(f"/run/end is missing after {self.results} steps", KILLED))
+
+    def _fail(self, message: str, remedy: str) -> Never:
+        in_message = self._topic is not None
+        raise _UnsoundError(
+            Flaw(
+                message,
+                remedy,
+                self._byte,
+                self.number if in_message else None,
+                self._topic,
+                self._step if in_message else None,
+            )
+        )
