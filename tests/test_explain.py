@@ -1,0 +1,202 @@
+"""Why a run went as it did, from its trace alone: objects, actions, drops, ends; compared with what is recorded."""
+
+import json
+import math
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from skolem.tools import explain
+from skolem.tools.explaining import Explanation, explained
+from skolem.tools.explanation_text import choice_tree, drop_tree, end_tree, lines
+from skolem.tools.live import Silence
+from skolem.tools.session import Outcome, prepare, run
+from skolem.tools.stopwatch import Stopwatch
+from skolem.traces.errors import InputError
+from skolem.traces.messages import Decision, Plan
+from skolem.traces.reader import Trace
+
+ROOT = Path(__file__).parent.parent
+
+
+@cache
+def traced(name: str, *overrides: str) -> Path:
+    """Run a scenario in the symbolic world, once."""
+    path = Path(tempfile.mkdtemp()) / f"{name}.mcap"
+    run(prepare(ROOT / "scenarios" / f"{name}.yaml", overrides, 1, "symbolic"), path, Silence(), Stopwatch(), Outcome())
+    return path
+
+
+def lost_at(path: Path) -> list[int]:
+    return sorted({plan.step for plan in Trace(path).of(Plan) if plan.cause == "preimage_lost"})
+
+
+@cache
+def green(step: int) -> Explanation:
+    return explained(traced("sim1_green"), step)
+
+
+def test_the_chosen_object_stands_first_with_the_cost_that_the_search_recorded() -> None:
+    start = green(0)
+    assert start.choice is not None
+    chosen, *others = start.choice.options
+    assert chosen.chosen
+    assert not any(other.chosen for other in others)
+    decision = next(Trace(traced("sim1_green")).of(Decision))
+    assert chosen.probability == pytest.approx(math.exp(-decision.cost / 1e6))
+    assert chosen.plan == decision.plan
+
+
+def test_every_known_object_is_named_with_its_properties_and_what_speaks_against_it() -> None:
+    choice = green(lost_at(traced("sim1_green"))[0]).choice
+    assert choice is not None
+    options = {option.object: option for option in choice.options}
+    assert {"sodaE", "sodaB", "sodaC", "table1"} <= set(options)
+    assert "implausible" in options["sodaE"].rejected
+    assert options["sodaE"].conjuncts["green"] < 0.001
+    assert options["sodaB"].chosen != bool(options["sodaB"].rejected)
+    assert "not_graspable" in " ".join(options["table2"].refused)
+    seen = options["sodaB"]
+    assert seen.exists is not None
+    assert seen.denotes["e1"] == pytest.approx(seen.conjuncts["green"] * seen.exists)
+
+
+def test_the_chain_of_rules_goes_from_the_goal_to_the_action_by_lines_that_say_so() -> None:
+    for step in (0, 5):
+        found = green(step)
+        assert found.layers[-1].steps[found.layers[-1].chosen] == found.action
+        for layer in found.layers:
+            assert layer.chain[-1].needed_by == ""
+            assert layer.chain[-1].achieves in layer.goal
+            for link in layer.chain:
+                assert rule(link.rule).startswith("result(")
+                assert all(rule(place).startswith("cost(") for _, _, place in link.costs)
+                assert not link.needed_by or rule(link.need_rule).startswith("precond(")
+
+
+def rule(place: str) -> str:
+    name, _, line = place.partition(":")
+    return (ROOT / "rules" / name).read_text(encoding="utf-8").splitlines()[int(line) - 1]
+
+
+def test_a_drop_names_the_false_fluents_and_the_look_that_made_them_so() -> None:
+    step = lost_at(traced("sim1_green"))[0]
+    drop = next(drop for drop in green(step).drops if drop.cause == "preimage_lost")
+    plan = next(plan for plan in Trace(traced("sim1_green")).of(Plan) if plan.cause == "preimage_lost")
+    assert {found.fluent for lost in drop.lost for found in lost.fluents} == set(plan.false_fluents)
+    assert drop.after == "LookAt(sodaE)"
+    assert "a look with" in drop.sensed
+    assert any(change.startswith("sodaE: colour") for change in drop.changed)
+    for lost in drop.lost:
+        for found, before in zip(lost.fluents, lost.before, strict=True):
+            if found.fluent.startswith("b(den"):
+                assert before is not None
+                assert found.probability is not None
+                assert found.probability < 0.01 < before
+
+
+def test_pops_of_the_illustrative_run_are_all_explained() -> None:
+    path = traced("illustrative")
+    for step in lost_at(path):
+        found = explained(path, step)
+        recorded = [p for p in Trace(path).of(Plan) if p.step == step and p.cause == "preimage_lost"]
+        told = [{f.fluent for lost in drop.lost for f in lost.fluents} for drop in found.drops if drop.lost]
+        assert told == [set(plan.false_fluents) for plan in recorded]
+        assert found.layers
+
+
+def test_a_placeholder_is_an_object_like_others_to_choose() -> None:
+    choice = explained(traced("impossible"), 0).choice
+    assert choice is not None
+    assert choice.options[0].object == "sk(var(o))"
+    assert "FindObj" in choice.options[0].plan[0]
+
+
+def test_what_a_placeholder_turned_out_to_be_is_told() -> None:
+    path = traced("sim3_unknown")
+    bound = [plan for plan in Trace(path).of(Plan) if plan.cause == "bind_skolem" and plan.layers]
+    found = explained(path, bound[-1].step)
+    assert found.choice is not None
+    assert found.choice.options[0].object == "sk(var(o))"
+    (note,) = found.notes
+    assert note.endswith(f"at step {bound[-1].step}")
+    assert found.action.split("(")[0] in ("Move", "Pick", "LookAt")
+
+
+def test_an_impossible_goal_is_explained_by_properties_and_regions() -> None:
+    found = explained(traced("impossible"), None)
+    assert found.ending is not None
+    assert found.ending.status == "goal_unachievable"
+    kinds = {remedy.kind for remedy in found.ending.remedies}
+    assert {"property", "region"} <= kinds
+    assert any("likeliest to be purple" in remedy.finding for remedy in found.ending.remedies)
+
+
+def test_a_threshold_that_stood_in_the_way_is_named_with_the_value_that_would_not() -> None:
+    bound = "limits.min_plan_probability"
+    found = explained(traced("sim1_green", f"{bound}=0.5"), None)
+    assert found.ending is not None
+    (remedy,) = (r for r in found.ending.remedies if r.kind == "threshold")
+    value = float(remedy.change.rpartition(" ")[2])
+    assert 0.001 < value < 0.5
+    assert explained(traced("sim1_green", f"{bound}={value}"), 0).action
+
+
+@pytest.mark.parametrize(("override", "kind"), [("limits.steps=2", "steps"), ("limits.expansions=1", "expansions")])
+def test_a_limit_that_ended_the_run_is_named(override: str, kind: str) -> None:
+    found = explained(traced("sim1_green", override), None)
+    assert found.ending is not None
+    remedy = next(r for r in found.ending.remedies if r.kind == kind)
+    assert remedy.change.startswith(override.partition("=")[0])
+
+
+def test_the_last_decision_of_a_run_that_went_well_names_the_object_that_is_meant() -> None:
+    found = explained(traced("sim1_green"), None)
+    assert found.ending is None
+    assert found.choice is not None
+    assert found.choice.options[0].object == "sodaC"
+    assert all(fluent.holds for fluent in found.choice.options[0].fluents)
+
+
+def test_text_is_a_tree_and_machines_get_the_same_as_data() -> None:
+    path, step = traced("sim1_green"), lost_at(traced("sim1_green"))[0]
+    text = CliRunner().invoke(explain.app, [str(path), "--step", str(step)]).stdout
+    for heading in ("why this object", "why LookAt", "why plans were dropped"):
+        assert f"\n{heading}" in text
+    data = json.loads(CliRunner().invoke(explain.app, [str(path), "--step", str(step), "--json"]).stdout)
+    assert (data["step"], data["action"]) == (step, green(step).action)
+    assert data["drops"][0]["lost"]
+    found = green(step)
+    assert found.choice is not None
+    assert all(line in text for line in [*lines(choice_tree(found.choice)), *lines(drop_tree(found.drops))])
+    end = explained(traced("impossible"), None).ending
+    assert end is not None
+    assert "would have to change" in "\n".join(lines(end_tree(end)))
+
+
+def test_one_object_can_be_asked_about() -> None:
+    path = traced("sim1_green")
+    text = CliRunner().invoke(explain.app, [str(path), "--step", "2", "--why-not", "sodaE"]).stdout
+    assert "sodaE" in text
+    assert "sodaB" not in text
+    data = json.loads(
+        CliRunner().invoke(explain.app, [str(path), "--step", "2", "--why-not", "sodaE", "--json"]).stdout
+    )
+    assert data["object"] == "sodaE"
+    assert not data["chosen"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--step", "99"], "the run has decisions 0 to"),
+        (["--why-not", "sodaX"], "no object sodaX to choose; there are:"),
+    ],
+)
+def test_what_the_run_does_not_have_is_a_fault(arguments: list[str], message: str) -> None:
+    result = CliRunner().invoke(explain.app, [str(traced("sim1_green")), *arguments])
+    assert isinstance(result.exception, InputError)
+    assert message in str(result.exception)

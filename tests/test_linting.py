@@ -1,0 +1,91 @@
+"""What is doubtful in rule files: each kind of complaint, none about the shipped rules, allowances with reasons."""
+
+import re
+from pathlib import Path
+
+import pytest
+from minds import Region, TableBelief, TableGeometry, Thing
+
+from skolem.reasoner.fluent_kinds import ACTIVITIES, FLUENTS
+from skolem.reasoner.linting import CODES, NOT_A_FLUENT, findings
+from skolem.reasoner.queries import Queries
+from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.situation import Situation
+from skolem.reasoner.terms import parse_term
+
+PUSH = """step(push(O)) :- goal(b(on(O, S), _)), @rigid(S) = 1.
+executes(S, look(O)) :- step(S), S = push(O).
+result(S, b(on(O, T), P)) :- step(S), S = push(O), goal(b(on(O, T), P)).
+precond(S, krd(O), 0) :- step(S), S = push(O).
+"""
+
+
+def complaints(tmp_path: Path, text: str) -> list[tuple[int, str, str]]:
+    path = tmp_path / "own.lp"
+    path.write_text(text, encoding="utf-8")
+    found = findings(Rulebook.load(Queries, [path]))
+    return [(f.fault.line, f.code, f.fault.message) for f in found if f.fault.file == str(path) and not f.allowed]
+
+
+def test_the_shipped_rules_give_no_reason_to_complain_that_is_not_explained_in_them() -> None:
+    found = findings(Rulebook.load(Queries))
+    assert [finding for finding in found if not finding.allowed] == []
+    assert {finding.code for finding in found} <= set(CODES)
+
+
+def test_rules_that_fit_in_are_not_complained_of(tmp_path: Path) -> None:
+    assert complaints(tmp_path, PUSH) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "code", "message"),
+    [
+        (PUSH + "precond(S, holdin(O), 0) :- step(S), S = push(O).", 5, NOT_A_FLUENT, "did you mean holding?"),
+        (PUSH + "result(S, b(onn(O, O), 5)) :- step(S), S = push(O).", 5, NOT_A_FLUENT, "did you mean b(on)?"),
+        (PUSH + "destroys(S, lose(O)) :- step(S), S = push(O).", 5, NOT_A_FLUENT, "did you mean loose?"),
+        ("step(wipe(O)) :- goal(b(clean(O), _)).", 1, NOT_A_FLUENT, "b(clean) is not a fluent"),
+        ("mutex(empty(same(h)), ful(same(h))).", 1, NOT_A_FLUENT, "ful is not a fluent"),
+        (PUSH + "executes(S, shove(O)) :- step(S), S = push(O).", 5, NOT_A_FLUENT, "the robot cannot carry out Shove"),
+        (PUSH + "precond(S, b(exists_in(E, O), 5), 0) :- step(S), S = push(O), E = e1.", 5, "unreachable", "exists_in"),
+        (PUSH + "result(S, b(supposed(K, O), 5)) :- step(S), S = push(O), type(K).", 0, "", ""),
+        ("step(wipe(O)) :- goal(holding(O)).", 1, "without_result", "wipe has no result"),
+        (PUSH + "precond(S, loose(O), 2) :- step(S), S = push(O).", 1, "level_gap", "of level 1"),
+        (PUSH.replace("krd(O)", "loose(O)"), 2, "without_krd", "precond(S, krd(O), 0)"),
+        ("measures(glossy, gloss).", 1, "unobservable", "no operator yields the gloss"),
+        ("measures(glossy, colour).", 1, "unobservable", "state what it is"),
+    ],
+)
+def test_each_doubtful_thing_is_complained_of_where_it_stands(
+    tmp_path: Path, text: str, line: int, code: str, message: str
+) -> None:
+    found = [(at, kind) for at, kind, said in complaints(tmp_path, text) if message in said]
+    assert (found == [] and not code) or (line, code) in found
+
+
+def test_a_result_that_nothing_needs_is_complained_of(tmp_path: Path) -> None:
+    moved = "result(S, aside(O, look_region(R))) :- step(S), S = push(O), R = x."
+    assert complaints(tmp_path, PUSH + moved) == []
+    text = PUSH + "result(S, held(both, O)) :- step(S), S = push(O)."
+    assert [(line, code) for line, code, _ in complaints(tmp_path, text)] == [(5, "unused_result")]
+
+
+def test_a_complaint_is_allowed_with_a_reason_above_the_rule(tmp_path: Path) -> None:
+    doubtful = "result(S, held(both, O)) :- step(S), S = push(O)."
+    assert complaints(tmp_path, f"{PUSH}% allow unused_result: two hands come later\n{doubtful}") == []
+    assert complaints(tmp_path, f"{PUSH}% allow unreachable: another code\n{doubtful}") != []
+    assert complaints(tmp_path, f"{PUSH}% allow unused_result:\n{doubtful}") != []
+
+
+def test_the_belief_and_the_geometry_answer_every_fluent_of_the_table() -> None:
+    names = {"expression": "e1", "properties": "(soda,heavy)", "word": "soda", "region": "shelf", "hand": "right"}
+    belief = TableBelief({"object": Thing({"soda": 1.0}, hand="right")}, {"shelf": Region("object")})
+    meanings = Rulebook.load(Queries).vocabulary.meanings
+    situation = Situation(belief, TableGeometry(), lambda *_: 0.5, lambda *_: 0.5, meanings)
+    for text in FLUENTS:
+        for activity in ACTIVITIES:
+            filled = text.replace("activity", activity)
+            for sort, name in names.items():
+                filled = re.sub(rf"\b{sort}\b", name, filled)
+            filled = filled.replace(",any)", ",100)") if filled.startswith("b(") else filled
+            filled = filled.replace("place(object,object,any)", "place(object,object,nothing)")
+            assert situation.holds(parse_term(filled)) in (True, False)

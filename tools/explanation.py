@@ -1,0 +1,190 @@
+"""Why a recorded robot did what it did: the mind is rebuilt from the trace, and the rules are asked again.
+
+Nothing is read off texts: the belief is made anew from what was sensed, the reasoner decides anew, and derivations are
+those of the rules attached to the trace. An explanation is plain data; `explanation_text` puts it into words.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from skolem.estimation.belief import Belief
+from skolem.reasoner.agent import Agent
+from skolem.reasoner.denotation import Denotations
+from skolem.reasoner.goals import PosedGoal, read_mutexes
+from skolem.reasoner.proofs import Derivation
+from skolem.reasoner.queries import Queries
+from skolem.reasoner.terms import ANY, Compound, Term, compound, prob
+from skolem.tools.recalled_geometry import NotRecordedError, RecalledGeometry
+from skolem.tools.recorded_run import RecordedRun, RecordedStep
+from skolem.tools.rethinking import Given
+from skolem.traces.errors import Fault, InputError
+from skolem.traces.messages import Memory, Plan, PlanStep, Quantity, RememberedStep
+
+PLANNED = ("start", "refine")
+
+
+@dataclass(frozen=True, slots=True)
+class Insight:
+    """A mind at one recorded decision. Good only until the next one is asked for: the belief goes on.
+
+    Attributes:
+        given: What the mind is made of.
+        recorded: The decision in the trace.
+        belief: What is believed.
+        denotations: The descriptions of the goal.
+        posed: The goal in this belief.
+        geometry: Answers as the trace does.
+    """
+
+    given: Given
+    recorded: RecordedStep
+    belief: Belief
+    denotations: Denotations
+    posed: PosedGoal
+    geometry: RecalledGeometry
+
+    @property
+    def step(self) -> int:
+        """The number of the decision."""
+        return self.recorded.step
+
+    def derivation(self, fluent: Term) -> Derivation:
+        """Return all that the rules derive when they are asked for a fluent."""
+        queries = Queries(self.posed.situation, self.denotations.alternatives)
+        return Derivation(self.given.rulebook, [compound("goal", fluent)], queries)
+
+    def stack(self) -> Memory | None:
+        """Return the plan stack with which the decision ends, decided anew; None if the trace cannot tell."""
+        given, before = self.given, self.recorded.memory
+        if before is None:
+            return None
+        agent = Agent(given.goal, given.rulebook, self.belief, self.geometry, given.limits)
+        agent.recall(before)
+        try:
+            agent.decide(self.step)
+        except NotRecordedError:
+            return None
+        return agent.memory(self.step + 1)
+
+
+def insights(run: RecordedRun, given: Given, steps: Iterable[int]) -> Iterator[Insight]:
+    """Yield the mind at each of some decisions, in order."""
+    wanted = sorted(set(steps))
+    belief, geometry = Belief(given.told), RecalledGeometry()
+    denotations, mutexes = Denotations(given.goal.expressions, given.rulebook), read_mutexes(given.rulebook)
+    for recorded in run.steps():
+        if recorded.step in wanted:
+            geometry.take(recorded.answers)
+            geometry.sync(belief.snapshot(recorded.step))
+            posed = PosedGoal(given.goal, given.rulebook, denotations, belief, geometry, mutexes)
+            yield Insight(given, recorded, belief, denotations, posed, geometry)
+        if recorded.step >= max(wanted, default=-1) or recorded.action is None or recorded.met is None:
+            return
+        belief.update(recorded.action, *recorded.met)
+
+
+@dataclass(slots=True)
+class Course:
+    """What the plan stack went through up to one decision.
+
+    Attributes:
+        found: The decision.
+        before: The one before it; None at the first.
+        made: For each layer of the stack at its end, the step at which it was planned.
+        root: The subgoal of the top layer when it was planned; empty if there is none.
+        stack: The plan stack with which the decision began, top first.
+        bound: Where the object not met yet that the top layer was made for turned out to be a known one, and the
+            subgoal since then; None if it did not.
+    """
+
+    found: RecordedStep
+    before: RecordedStep | None
+    made: list[int] = field(default_factory=list)
+    root: tuple[str, ...] = ()
+    stack: tuple[tuple[PlanStep, ...], ...] = ()
+    bound: tuple[int, tuple[str, ...]] | None = None
+
+
+def course(run: RecordedRun, step: int | None) -> Course:
+    """Return what led to a decision; of the last one if `step` is None.
+
+    Raises:
+        InputError: If the run has no such decision.
+    """
+    made: list[int] = []
+    root: tuple[str, ...] = ()
+    before, recorded = None, None
+    stack: tuple[tuple[PlanStep, ...], ...] = ()
+    bound: tuple[int, tuple[str, ...]] | None = None
+    for current in run.steps():
+        before, recorded = recorded, current
+        plans = current.all_of(Plan)
+        for plan in plans:
+            if plan.cause in PLANNED:
+                made = [*made[: len(plan.layers) - 1], plan.step]
+                root, bound = (plan.layers[0][-1].subgoal, None) if len(plan.layers) == 1 else (root, bound)
+            if plan.cause == "bind_skolem" and plan.layers:
+                bound = plan.step, plan.layers[0][-1].subgoal
+            del made[len(plan.layers) :]
+        if current.step == step or current.last:
+            break
+        stack = plans[-1].layers if plans else stack
+    if recorded is None or step not in (None, recorded.step):
+        last = "none" if recorded is None else f"0 to {recorded.step}"
+        raise InputError([Fault("--step", 0, 0, f"the run has decisions {last}, got {step}")])
+    return Course(recorded, before, made, root, stack, bound)
+
+
+# ---------------------------------------------------------------- how true something is
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """How things stand with a fluent.
+
+    Attributes:
+        fluent: The fluent, as a term.
+        holds: Whether it holds; None if the trace cannot tell.
+        probability: What is believed of it; None if it is not about a probability.
+        wanted: The bound on that; None likewise.
+        detail: What a Gaussian fluent is measured by.
+    """
+
+    fluent: str
+    holds: bool | None
+    probability: float | None = None
+    wanted: float | None = None
+    detail: str = ""
+
+
+def truth(insight: Insight, fluent: Term) -> Truth:
+    """Return how things stand with a fluent in a belief."""
+    situation = insight.posed.situation
+    try:
+        holds: bool | None = situation.holds(fluent)
+    except NotRecordedError:
+        holds = None
+    match fluent:
+        case Compound("b", (phi, int(p))) if "sk(" not in str(phi):
+            return Truth(str(fluent), holds, situation.probability(phi), prob(p))
+        case Compound("bn", (Compound(quantity, (str(anchor),)), *_)) if anchor in situation.anchors():
+            return Truth(str(fluent), holds, detail=_gaussian(insight, quantity, anchor))
+    return Truth(str(fluent), holds)
+
+
+def _gaussian(insight: Insight, quantity: str, anchor: str) -> str:
+    names: dict[str, Quantity] = {"pose": "pose", "colour": "colour", "weight": "weight"}
+    known = insight.belief.gaussian(names[quantity], anchor)
+    mean = ", ".join(f"{1000 * float(x):.0f}" for x in known.mean)
+    sd = ", ".join(f"{1000 * float(x) ** 0.5:.0f}" for x in known.covariance.diagonal())
+    return f"mean ({mean}), sd ({sd}) thousandths, p(exists) {known.probability:.3f}"
+
+
+def mentioned(term: Term) -> set[str]:
+    """Return the constants that occur in a term."""
+    if isinstance(term, Compound):
+        return {name for arg in term.args for name in mentioned(arg)}
+    return {term} if isinstance(term, str) and term != ANY else set()
+
+
+Layer = tuple[RememberedStep, ...]

@@ -1,0 +1,172 @@
+"""Why this object: every known anchor beside the one that was chosen, with what speaks for it and what against."""
+
+import itertools
+from dataclasses import dataclass
+
+from skolem.reasoner.instances import title
+from skolem.reasoner.regression import Found, Subgoal, regress
+from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, compound, nll, parse_term, prob, substitute
+from skolem.tools.explanation import Insight, Truth, truth
+from skolem.tools.recalled_geometry import NotRecordedError
+
+IMPLAUSIBLE = 0.001  # as the query @plausible has it
+MOST_BINDINGS = 10_000  # of several variables, beyond which they are not told apart
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """One object that the goal could be about.
+
+    Attributes:
+        object: Its anchor; `sk(var(o))` for an object that was not met yet.
+        chosen: Whether the plan is about it.
+        denotes: P that it is what is meant, by description.
+        exists: P that there is such an object; None for one not met yet.
+        conjuncts: P of each property that the descriptions turn on.
+        fluents: How things stand with each conjunct of the goal, said of this object.
+        plan: The cheapest plan, in execution order; empty if there is none.
+        probability: Of that plan; None if there is none.
+        rejected: Why it was not chosen; empty if it was.
+        refused: What the search refused first, with the reasons.
+    """
+
+    object: str
+    chosen: bool
+    denotes: dict[str, float]
+    exists: float | None
+    conjuncts: dict[str, float]
+    fluents: tuple[Truth, ...]
+    plan: tuple[str, ...]
+    probability: float | None
+    rejected: str
+    refused: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The choice of an object.
+
+    Attributes:
+        step: The decision at which it was made.
+        descriptions: What the constants e1, e2, .. stand for.
+        options: The chosen one first, then by the probability of being meant.
+    """
+
+    step: int
+    descriptions: dict[str, str]
+    options: tuple[Option, ...]
+
+
+def choice(insight: Insight, subgoal: tuple[str, ...]) -> Choice:
+    """Return the options at the decision at which a plan for `subgoal` was made; if that is empty, none was chosen."""
+    goal = insight.given.goal
+    chosen = frozenset(map(parse_term, subgoal))
+    worst = nll(insight.given.limits.min_plan_probability)
+    found = {root: planned(insight, root, worst) for root in insight.posed.instantiations}
+    best = min((f.cost for f in found.values() if f is not None and f.steps is not None), default=None)
+    options = [_option(insight, name, roots, chosen, found, best) for name, roots in _candidates(insight)]
+    options.sort(key=lambda o: (not o.chosen, -(sum(o.denotes.values())), o.object))
+    return Choice(insight.step, {name: str(text) for name, text in goal.expressions.items()}, tuple(options))
+
+
+def _candidates(insight: Insight) -> list[tuple[Term, list[Subgoal]]]:
+    """Return every object with the ways to read the goal as about it."""
+    goal = insight.given.goal
+    anchors: tuple[Term, ...] = insight.posed.situation.anchors()
+    variables: list[Term] = [compound("var", name) for name in goal.variables]
+    if not variables:
+        names = [a for a in anchors if any(str(a) in str(fluent) for fluent in goal.fluents)]
+        return [(name, [frozenset(goal.fluents)]) for name in names]
+    choices: list[tuple[Term, ...]] = [(*anchors, compound("sk", variable)) for variable in variables]
+    if len(anchors) ** len(variables) > MOST_BINDINGS:
+        choices = [choices[0], *(each[-1:] for each in choices[1:])]
+    found: dict[Term, list[Subgoal]] = {}
+    for binding in itertools.product(*choices):
+        root = frozenset(substitute(f, dict(zip(variables, binding, strict=True))) for f in goal.fluents)
+        found.setdefault(binding[0], []).append(root)
+    return list(found.items())
+
+
+def planned(insight: Insight, root: Subgoal, worst: int) -> Found | None:
+    """Return the cheapest plan for one reading of the goal, no dearer than `worst`; None if the trace cannot tell."""
+    try:
+        most = insight.given.limits.expansions
+        return regress([root], insight.posed.offers, lambda _: 0, lambda *_: False, most, worst)
+    except NotRecordedError:
+        return None
+
+
+def _option(
+    insight: Insight,
+    name: Term,
+    roots: list[Subgoal],
+    chosen: Subgoal,
+    found: dict[Subgoal, Found | None],
+    best: int | None,
+) -> Option:
+    offered = [root for root in roots if root in found]
+    plans = [f for root in offered if (f := found[root]) is not None]
+    plan = min((f for f in plans if f.steps is not None), key=lambda f: f.cost, default=None)
+    is_chosen = chosen in roots
+    root = chosen if is_chosen else (offered or roots)[0]
+    known = isinstance(name, str)
+    denotes = {e: insight.denotations.probability(e, str(name), insight.belief) for e in insight.given.goal.expressions}
+    conjuncts: dict[str, float] = {}
+    for expression in insight.given.goal.expressions if known else ():
+        conjuncts |= insight.denotations.conjuncts(expression, str(name), insight.belief)
+    return Option(
+        object=str(name),
+        chosen=is_chosen,
+        denotes=denotes if known else {},
+        exists=insight.belief.prob_exists(str(name)) if known else None,
+        conjuncts=conjuncts,
+        fluents=tuple(truth(insight, fluent) for fluent in sorted(root, key=str)),
+        plan=() if plan is None else tuple(title(s.instance.called) for s in plan.steps or ()),
+        probability=None if plan is None else prob(plan.cost),
+        rejected="" if is_chosen else _why_not(insight, name, offered, plans, plan, best),
+        refused=tuple(f"{c.op}: {c.rejected}" for f in plans[:1] for c in f.candidates if c.rejected),
+    )
+
+
+def _why_not(
+    insight: Insight,
+    name: Term,
+    offered: list[Subgoal],
+    plans: list[Found],
+    plan: Found | None,
+    best: int | None,
+) -> str:
+    if not offered:
+        return _not_offered(insight, name)
+    if plan is None:
+        return _no_plan(insight, name, offered, plans)
+    if best is not None and plan.cost > best:
+        return f"its best plan has p = {prob(plan.cost):.3g}, the chosen one p = {prob(best):.3g}"
+    return "its plan is as good; what is risky comes later in the chosen one, or it comes first in the belief"
+
+
+def _no_plan(insight: Insight, name: Term, offered: list[Subgoal], plans: list[Found]) -> str:
+    limits = insight.given.limits
+    if not plans:
+        return "the trace does not tell: a question to the geometry was not asked in the run"
+    if any(not found.exhausted for found in plans):
+        return f"no plan within {limits.expansions} expansions (limits.expansions)"
+    dear = [f for root in offered if (f := planned(insight, root, CAP_MICRONATS)) is not None and f.steps is not None]
+    if dear:
+        p = prob(min(found.cost for found in dear))
+        return f"its best plan has p = {p:.2g}, below {limits.min_plan_probability:g} (limits.min_plan_probability)"
+    if isinstance(name, Compound):
+        return "no region that could hold it is left to search"
+    return "no plan, however unlikely"
+
+
+def _not_offered(insight: Insight, name: Term) -> str:
+    if isinstance(name, Compound):
+        return "no rule offers an object that was not met yet"
+    least = min(
+        (insight.denotations.probability(e, str(name), insight.belief) for e in insight.given.goal.expressions),
+        default=1.0,
+    )
+    if least < IMPLAUSIBLE:
+        return f"implausible: p = {least:.2g} that it is meant, below {IMPLAUSIBLE:g}"
+    return "others are likelier meant, and only the likeliest are considered"
