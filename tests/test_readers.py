@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import rerun_cli
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from needs import missing
 
 from skolem.traces.codec import schema_bytes, schema_name
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS
@@ -25,11 +27,9 @@ READERS = Path(__file__).parent / "readers"
 
 @pytest.fixture(scope="module")
 def read_by_node() -> Callable[[Path], dict[str, Any]]:
-    node = shutil.which("node")
-    if node is None:
-        pytest.skip("node is not installed")
+    node = shutil.which("node") or missing("node")
     if not (READERS / "node_modules" / "@mcap" / "core").is_dir():
-        pytest.skip("the npm package @mcap/core is not installed: npm ci --prefix tests/readers")
+        missing("the npm package @mcap/core: npm ci --prefix tests/readers")
 
     def read(path: Path) -> dict[str, Any]:
         command = [node, str(READERS / "read.mjs"), str(path)]
@@ -87,7 +87,6 @@ def test_every_schema_is_what_its_encoding_says() -> None:
 
 def test_rerun_converts_a_trace(sample: Path, tmp_path: Path) -> None:
     """Its own importer draws transforms and images of it; the JSON topics are kept as they are."""
-    rerun_cli = pytest.importorskip("rerun_cli", reason="rerun-sdk is not installed")
     program, out = Path(rerun_cli.__file__).parent / "rerun", tmp_path / "out.rrd"
     home = tmp_path / "home"
     (home / "rerun").mkdir(parents=True)

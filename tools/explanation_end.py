@@ -10,8 +10,8 @@ from skolem.reasoner.regression import Step, regress
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, parse_term, prob
 from skolem.tools.explanation import Insight, truth
 from skolem.tools.explanation_objects import IMPLAUSIBLE, Choice, planned
-from skolem.tools.plan_tree import readable
 from skolem.tools.recalled_geometry import NotRecordedError
+from skolem.traces.fluents import readable
 from skolem.traces.messages import Decision, Plan, RunEnd
 
 

@@ -9,7 +9,7 @@ from skolem.tools.explanation_actions import LayerView, Link
 from skolem.tools.explanation_drops import Drop
 from skolem.tools.explanation_end import Ending
 from skolem.tools.explanation_objects import Choice, Option
-from skolem.tools.plan_tree import readable
+from skolem.traces.fluents import readable
 
 
 @dataclass(slots=True)

@@ -19,8 +19,9 @@ from rich.text import Text
 
 from skolem.reasoner.agent import Turn
 from skolem.tools.belief_table import COLUMNS, belief_rows
-from skolem.tools.plan_tree import plan_lines, readable
+from skolem.tools.plan_tree import plan_lines
 from skolem.tools.session import DROPPED, Setup
+from skolem.traces.fluents import readable
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,

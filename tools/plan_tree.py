@@ -1,13 +1,11 @@
 """Plans as text: of a whole run as a tree of plans, refinements and what was done; of one moment as a stack."""
 
-import math
-import re
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 
+from skolem.traces.fluents import readable
 from skolem.traces.messages import Action, Plan, PlanStep
 
-_BELIEF = re.compile(r"^b\((.*),(\d+)\)$")
 _PLANNED = ("start", "refine")
 DROPPED = ("preimage_lost", "refused")  # causes for which plans are given up
 
@@ -58,12 +56,3 @@ def plan_lines(plan: Plan) -> list[str]:
         f"{'  ' * depth}" + "  ".join(f"<{step.op}>" if i == chosen else step.op for i, step in enumerate(layer))
         for depth, (layer, chosen) in enumerate(zip(plan.layers, plan.current, strict=True))
     ]
-
-
-def readable(fluent: str) -> str:
-    """Return a fluent with its bound as a probability: `b(krd(o2),105361)` becomes `B(krd(o2), .900)`."""
-    belief = _BELIEF.match(fluent)
-    if belief is None:
-        return fluent
-    p = math.exp(-int(belief[2]) / 1e6)
-    return f"B({belief[1]}, {f'{p:.3f}'.removeprefix('0')})"

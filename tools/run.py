@@ -2,6 +2,7 @@
 
 import json as json_format
 import sys
+from contextlib import nullcontext
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -45,9 +46,13 @@ def run(
         list[str] | None, typer.Option("--set", metavar="A.B=VALUE", help="Change a value of the scenario; repeatable.")
     ] = None,
     max_steps: Annotated[int | None, typer.Option(min=1, help="Instead of the scenario's limits.steps.")] = None,
+    optimal: Annotated[
+        bool, typer.Option("--optimal", help="Only plans than which none is likelier (limits.optimal): takes longer.")
+    ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Record wall times too; they differ from run to run.")
     ] = False,
+    view: Annotated[bool, typer.Option("--view", help="Show the run in a window while it goes on.")] = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")] = False,
 ) -> None:
     """Run a scenario and record it as a trace.
@@ -57,8 +62,10 @@ def run(
     watch = Stopwatch()
     with watch.part("loading"):
         from skolem.tools import running, session
+        from skolem.tools.watching import watched
     try:
         overrides = [*(set_ or []), *([] if max_steps is None else [f"limits.steps={max_steps}"])]
+        overrides += ["limits.optimal=true"] if optimal else []
         if images and world is WorldChoice.symbolic:
             raise InputError([Fault("--images", 0, 0, "the symbolic world has no camera; leave out one of the two")])
         with watch.part(session.LOADING):
@@ -66,7 +73,9 @@ def run(
         for warning in setup.rulebook.warnings:
             print(warning, file=sys.stderr)
         trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")
-        raise typer.Exit(running.execute(setup, trace, watch, json, quiet))
+        with watched(trace) if view else nullcontext():
+            status = running.execute(setup, trace, watch, json, quiet)
+        raise typer.Exit(status)
     except InputError as error:
         if json:
             print(

@@ -5,9 +5,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from skolem.tools.belief_table import COLUMNS, belief_rows, object_cells, probability, table_lines
-from skolem.tools.plan_tree import DROPPED, drop_line, plan_lines, readable
+from skolem.tools.plan_tree import DROPPED, drop_line, plan_lines
 from skolem.tools.recorded_rules import rulebook_of
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.fluents import readable
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,

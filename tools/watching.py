@@ -1,0 +1,56 @@
+"""A run shown while it goes on, by a process of its own: the run neither waits for it nor knows of it.
+
+That process (`skolem view FILE --follow`) reads the trace as it grows and gives way to everything else.
+"""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Final
+
+from skolem.tools.children import NO_DISPLAY, end, end_with_parent, has_display
+from skolem.traces.errors import Fault, InputError
+
+NICE: Final = 10
+_SKOLEM: Final = "from skolem.tools.cli import main; raise SystemExit(main())"
+
+
+@contextmanager
+def watched(trace: Path) -> Iterator[None]:
+    """Show the run that the block records to `trace` in a window.
+
+    After the block the window stays until it is closed or Ctrl-C.
+
+    Raises:
+        InputError: If there is no display, or the trace cannot be written.
+    """
+    if not has_display():
+        raise InputError([Fault("--view", 0, 0, NO_DISPLAY)])
+    partial = trace.with_name(trace.name + ".partial")
+    try:
+        trace.parent.mkdir(parents=True, exist_ok=True)
+        file = partial.open("wb")  # the writer will open it too; held open, it is found under whatever name it gets
+    except OSError as error:
+        raise InputError([Fault(str(partial), 0, 0, f"cannot write the trace here: {error.strerror}")]) from error
+    with file:
+        follower = subprocess.Popen(
+            [sys.executable, "-c", _SKOLEM, "view", f"/dev/fd/{file.fileno()}", "--follow"],
+            stdin=subprocess.DEVNULL,
+            pass_fds=[file.fileno()],
+            preexec_fn=_aside,
+        )
+        try:
+            yield
+            with suppress(KeyboardInterrupt):
+                follower.wait()
+        finally:
+            end(follower)
+
+
+def _aside() -> None:
+    """Prepare a new process: it ends with this one, and gives way to everything else."""
+    end_with_parent()
+    os.nice(NICE)

@@ -1,0 +1,67 @@
+"""How a recorded run is laid out in the viewer: everything at once."""
+
+from typing import Final
+
+import rerun.blueprint as rrb
+
+from skolem.traces.rerun_camera import DEPTH, PICTURE
+from skolem.traces.rerun_rows import SIM_TIME
+
+EYE_M: Final = (2.7, -1.25, 2.4)
+LOOK_AT_M: Final = (0.3, -0.2, 0.7)
+_WORLD = (
+    "/robot/**",
+    "- /robot/pr2/collision_geometries/**",
+    "/truth/**",
+    "/belief/**",
+    "/regions/**",
+    "/detections/**",
+)
+
+
+def blueprint(pictures: bool) -> rrb.Blueprint:
+    """Return the layout; the camera view shows pictures, or the coarse depth where none are recorded."""
+    camera = PICTURE if pictures else DEPTH
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Vertical(
+                rrb.Spatial3DView(
+                    name="World: true things solid, believed ones outlined",
+                    origin="/",
+                    contents=_WORLD,
+                    eye_controls=rrb.EyeControls3D(position=EYE_M, look_target=LOOK_AT_M),
+                    background=(24, 26, 30),
+                ),
+                rrb.Horizontal(
+                    rrb.Spatial2DView(name="Camera and detections", origin=f"/{camera}"),
+                    rrb.TimeSeriesView(
+                        name="P(Den): is it what is meant?",
+                        origin="/plots/den",
+                        axis_y=rrb.ScalarAxis(range=(0.0, 1.05)),
+                        plot_legend=rrb.Corner2D.LeftTop,
+                    ),
+                    column_shares=[4, 5],
+                ),
+                row_shares=[13, 7],
+            ),
+            rrb.Vertical(
+                rrb.GraphView(name="Plan stack", origin="/plan"),
+                rrb.TimeSeriesView(
+                    name="Entropy per object since the start [nats]",
+                    origin="/plots/entropy",
+                    plot_legend=rrb.Corner2D.LeftBottom,
+                ),
+                rrb.TextLogView(
+                    name="Decisions",
+                    origin="/log",
+                    columns=rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"]),
+                ),
+                row_shares=[10, 5, 5],
+            ),
+            column_shares=[11, 9],
+        ),
+        rrb.TimePanel(state="collapsed", timeline=SIM_TIME),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.BlueprintPanel(state="hidden"),
+        auto_views=False,
+    )

@@ -1,0 +1,160 @@
+"""A trace as a rerun recording: the robot, the true and the believed things, what was seen, planned and decided.
+
+The recording is a function of the trace and of what the robot looks like; nothing else goes in. Messages may come all
+at once from a finished trace, or bit by bit from one that is being written.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import rerun as rr
+
+from skolem.traces.blueprint import blueprint
+from skolem.traces.messages import (
+    Action,
+    Belief,
+    Denotation,
+    ObjectType,
+    Observation,
+    Plan,
+    Prior,
+    RunEnd,
+    RunStart,
+)
+from skolem.traces.reader import Recorded, Trace
+from skolem.traces.rerun_belief import Beliefs
+from skolem.traces.rerun_camera import Camera
+from skolem.traces.rerun_log import Log
+from skolem.traces.rerun_plans import Plans
+from skolem.traces.rerun_plots import Plots
+from skolem.traces.rerun_regions import Regions
+from skolem.traces.rerun_robot import Robot, RobotModel
+from skolem.traces.rerun_rows import Rows, When
+from skolem.traces.rerun_shapes import FRAME
+from skolem.traces.rerun_truth import Truth
+
+APPLICATION: Final = "skolem"  # a dot in it would make the viewer warn
+
+
+def convert(trace: Trace, out: Path, model: RobotModel) -> None:
+    """Write a trace as a rerun recording, with the layout in which it is best looked at.
+
+    Raises:
+        TraceError: If the trace holds a message that does not follow its schema.
+        OSError: If the recording cannot be written.
+    """
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.open("wb").close()  # rerun itself would only log that it cannot
+    stream = rr.RecordingStream(APPLICATION, recording_id=trace.path.stem)
+    stream.save(out)
+    scene = Scene(stream, model)
+    for recorded in trace.messages(*scene.topics):
+        scene.take(recorded)
+    scene.flush()
+    stream.flush()
+    stream.disconnect()
+
+
+class Scene:
+    """Draws the messages of a run into a recording, one after the other.
+
+    Attributes:
+        topics: What there is to look at.
+    """
+
+    def __init__(self, stream: rr.RecordingStream, model: RobotModel) -> None:
+        """Send what holds at all times.
+
+        Args:
+            stream: The recording.
+            model: What the robot looks like.
+        """
+        stream.log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, FRAME, static=True, strict=True)
+        self._rows = rows = Rows(stream)
+        self._robot = Robot(rows, model)
+        self._camera = Camera(rows, model.base_link)
+        self._truth, self._beliefs, self._regions = Truth(rows), Beliefs(rows), Regions(rows)
+        self._plots, self._log = Plots(rows), Log(rows)
+        self._plans = Plans(rows, "")
+        self._types: dict[str, ObjectType] = {}
+        self._step = 0
+        self._belief: tuple[Belief, When] | None = None
+        self._laid_out: bool | None = None
+        self._takers: dict[str, Callable[[Any, When], None]] = {
+            "/run/start": self._started,
+            "/prior": self._told,
+            "/belief": self._believed,
+            "/denotation": self._meant,
+            "/plan": self._planned,
+            "/decision": self._log.decided,
+            "/action": self._acted,
+            "/action/result": self._log.resulted,
+            "/obs": self._observed,
+            "/run/end": self._ended,
+            "/truth/state": lambda message, when: self._truth.state(message, when, self._types),
+            "/truth/verdict": self._log.judged,
+            "/robot/joint_states": self._robot.joints,
+            "/tf": lambda message, when: self._truth.moved(message, when, self._types),
+            "/camera/rgb": self._camera.picture,
+            "/camera/info": lambda message, _: self._camera.calibrated(message),
+        }
+        self.topics = tuple(self._takers)
+
+    def take(self, recorded: Recorded) -> None:
+        """Draw a message of one of the topics; others are nothing to look at."""
+        if recorded.topic not in self._takers:
+            return
+        message = recorded.message
+        if isinstance(message, Belief):
+            self._step = message.step
+        self._takers[recorded.topic](message, When(recorded.tick, self._step))
+
+    def flush(self) -> None:
+        """Send what was drawn, and the layout when it becomes known that there are pictures."""
+        self._robot.flush()
+        self._rows.flush()
+        if self._laid_out != self._camera.pictures:
+            self._laid_out = self._camera.pictures
+            self._rows.stream.send_blueprint(blueprint(self._camera.pictures))
+
+    def _started(self, message: RunStart, when: When) -> None:
+        self._plans = Plans(self._rows, message.goal)
+
+    def _told(self, message: Prior, when: When) -> None:
+        self._types = message.types
+
+    def _believed(self, message: Belief, when: When) -> None:
+        """Draw a belief but for its objects: P(Den) stands in their labels, and comes next if it is recorded."""
+        self._belief = message, when
+        self._robot.believed(message, when)
+        self._regions.believed(message, when, self._types)
+        self._plots.believed(message, when)
+        self._plans.step_begins(when)
+
+    def _meant(self, message: Denotation, when: When) -> None:
+        self._plots.meant(message, when)
+        self._draw_belief(message)
+
+    def _draw_belief(self, denotation: Denotation | None) -> None:
+        if self._belief is not None:
+            belief, when = self._belief
+            self._belief = None
+            self._beliefs.believed(belief, denotation, when, self._types)
+
+    def _planned(self, message: Plan, when: When) -> None:
+        self._plans.changed(message, when)
+        self._log.planned(message, when)
+
+    def _acted(self, message: Action, when: When) -> None:
+        self._draw_belief(None)
+        self._log.acted(message, when)
+        self._step = message.step + 1
+
+    def _ended(self, message: RunEnd, when: When) -> None:
+        self._draw_belief(None)
+        self._log.ended(message, when)
+
+    def _observed(self, message: Observation, when: When) -> None:
+        self._camera.observed(message, when, self._types)
+        self._log.observed(message, when)
