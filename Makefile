@@ -3,6 +3,7 @@
 #   make demo    install, then run the first scenario
 #   make test    install, then run the tests
 #   make check   formatter, linter, types, tests, and a wheel in an empty environment: what a change must pass
+#   make bench   measure reasoner and estimator beside their peers, into docs/benchmarks.md (15 minutes)
 #   make setup   install only
 #   make lock    choose the newest versions of all dependencies anew
 #   make clean   remove everything that the others made
@@ -21,7 +22,7 @@ SCENARIO := scenarios/sim1_green.yaml
 SEED := 0
 TRACE := out/$(basename $(notdir $(SCENARIO)))-$(SEED).mcap
 
-.PHONY: help setup demo test check lint wheel lock clean
+.PHONY: help setup demo test check lint wheel bench lock clean
 
 help:
 	@sed -n '3,$${/^#/!q;s/^# \{0,1\}//p}' Makefile
@@ -60,6 +61,9 @@ lint: setup
 
 wheel: setup
 	.ci/check-wheel $(BIN)/python $(SCENARIO)
+
+bench: setup
+	$(BIN)/python -m benchmarks
 
 lock: $(VENV)/bin/python
 	@$(PIP) install uv
