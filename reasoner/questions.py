@@ -4,6 +4,7 @@ Every predicate that depends on the facts of a question gets one more argument i
 the rules only those are loaded that can fire for these facts (`shapes`).
 """
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -21,6 +22,7 @@ from skolem.traces.errors import InternalError
 CLINGO_OPTIONS: Final = ("--parallel-mode=1", "--seed=1", "--warn=all", "--models=2")
 _PREFIX: Final = "_of_"  # of the predicates that got the number of the question
 _NUMBER: Final = "Number_of_question"
+_WORD: Final = re.compile(r"[A-Za-z_][\w']*")
 
 Question = tuple[Term, ...]  # ground facts
 
@@ -59,8 +61,8 @@ class Questions:
         self._outputs = self._show(statements) or frozenset().union(*self._heads)
         numbering = _Numbering(self._numbered)
         self._rules = [numbering.of(rule) for rule in self._rules]
-        self._always = [s for s in statements if s.ast_type is ASTType.Definition]
-        self._always += [_show_signature(s, self._numbered) for s in statements if s.ast_type is ASTType.ShowSignature]
+        self._constants = {s.name: s for s in statements if s.ast_type is ASTType.Definition}
+        self._always = [_show_signature(s, self._numbered) for s in statements if s.ast_type is ASTType.ShowSignature]
         self._always += [numbering.of(s) for s in self._shown_terms]
         self._terms: dict[clingo.Symbol, Term] = {}  # memo
         self._matter: dict[frozenset[Term], frozenset[int]] = {}
@@ -117,9 +119,26 @@ class Questions:
             needed = sorted(frozenset().union(*map(self._needed, shapes)))
             derived = set[Signature]().union(*(self._heads[index] for index in needed))
             given = self._outputs | asked | set().union(*(self._uses[index] for index in needed)) - derived
-            rules = [*_defined(given, self._numbered), *self._always, *(self._rules[index] for index in needed)]
+            chosen = [self._rules[index] for index in needed]
+            rules = [
+                *_defined(given, self._numbered),
+                *self._always,
+                *self._constants_in([*self._always, *chosen]),
+                *chosen,
+            ]
             self._slices[shapes] = rules if needed or asked & self._outputs else []
         return self._slices[shapes]
+
+    def _constants_in(self, rules: Iterable[AST]) -> list[AST]:
+        """Return the definitions of the constants that rules name, and of those that these are made of."""
+        found: dict[str, AST] = {}
+        waiting = list(rules)
+        while waiting:
+            words = set(_WORD.findall(str(waiting.pop())))
+            new = {name: s for name, s in self._constants.items() if name in words and name not in found}
+            found |= new
+            waiting += new.values()
+        return list(found.values())
 
     def _needed(self, shapes: frozenset[Term]) -> frozenset[int]:
         """Return the rules that matter to one question."""

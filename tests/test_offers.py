@@ -4,7 +4,7 @@ import math
 
 import pytest
 from minds import Region, TableBelief, Thing
-from papers import EXAMPLE_GOAL, example, posed
+from papers import EXAMPLE_GOAL, example, posed, shipped
 
 from skolem.reasoner.goals import PosedGoal
 from skolem.reasoner.terms import parse_term
@@ -70,3 +70,11 @@ def test_a_query_is_asked_once_in_a_belief() -> None:
     fluent = parse_term("clear(pick(right,o2))")
     at.offers.prepare([fluent, parse_term("clear(pick(left,o2))")])
     assert [str(i.step) for i in at.offers.offers(fluent)] == ["remove(pick(right,o2))"]
+    assert sorted(play.geometry.asked) == ["blockers pick(left, o2)", "blockers pick(right, o2)"]
+
+
+def test_only_rules_that_can_fire_are_loaded() -> None:
+    book = shipped()
+    small = book.solve([parse_term("goal(at(look(o1)))")], None, ["move", "pick", "place", "regress"])
+    assert small.atoms["candidate"] == [(parse_term("move(look(o1))"),)]
+    assert small.ground_atoms <= 12

@@ -1,0 +1,1 @@
+"""What the product takes, measured beside its targets and its peers."""

@@ -1,0 +1,82 @@
+"""The reasoner on a problem: to its first action, and through a whole run in which all turns out as hoped."""
+
+import time
+from dataclasses import dataclass
+
+from benchmarks.believed import Imagined
+from benchmarks.problems import GOAL, Problem
+from skolem.reasoner.agent import Agent, Turn
+from skolem.reasoner.parser import parse_goal
+from skolem.reasoner.rulebook import Rulebook
+from skolem.traces.messages import Decision, Limits
+
+LIMITS = Limits(steps=200, expansions=2000, hierarchy_depth=16, min_plan_probability=1e-4)
+
+
+@dataclass(slots=True)
+class Thinking:
+    """What it took.
+
+    Attributes:
+        first_s: CPU time from the belief to the first primitive action.
+        run_s: CPU time of all decisions until the goal is believed.
+        decisions: The searches before the first action.
+        choice: The step that decides which object is meant, of the first plan.
+        cost: Of the first plan, the most abstract one, micro-nats.
+        clingo_calls: Before the first action.
+        actions: Executed until the goal was believed.
+        replans: Turns of the run that searched for a plan.
+    """
+
+    first_s: float = 0.0
+    run_s: float = 0.0
+    decisions: tuple[Decision, ...] = ()
+    choice: str = ""
+    cost: int = 0
+    clingo_calls: int = 0
+    actions: int = 0
+    replans: int = 0
+
+
+def first_action(given: Problem, rulebook: Rulebook, optimal: bool = False) -> Thinking:
+    """Return what it takes from a belief to the first primitive action."""
+    _, _, turn, seconds = _begin(given, rulebook, optimal)
+    return _thought(turn, seconds)
+
+
+def whole_run(given: Problem, rulebook: Rulebook) -> Thinking:
+    """Return what it takes from a belief to the goal, when every action does and shows what the plan hopes for.
+
+    Raises:
+        RuntimeError: If the goal is not reached.
+    """
+    agent, believed, turn, seconds = _begin(given, rulebook, optimal=False)
+    found = _thought(turn, seconds)
+    while turn.end is None:
+        assert turn.action is not None
+        believed.carry_out(turn.action)
+        found.actions += 1
+        begun = time.process_time()
+        turn = agent.decide(found.actions)
+        found.run_s += time.process_time() - begun
+        found.replans += bool(turn.decisions)
+    if turn.end.status != "goal_achieved":
+        raise RuntimeError(f"a run of the benchmark failed: {turn.end.reason}")
+    return found
+
+
+def _begin(given: Problem, rulebook: Rulebook, optimal: bool) -> tuple[Agent, Imagined, Turn, float]:
+    believed = Imagined(given)
+    goal = parse_goal(GOAL, rulebook.vocabulary.words(), believed.anchors())
+    limits = LIMITS.model_copy(update={"optimal": optimal})
+    begun = time.process_time()
+    agent = Agent(goal, rulebook, believed, believed, limits)
+    turn = agent.decide(0)
+    return agent, believed, turn, time.process_time() - begun
+
+
+def _thought(turn: Turn, seconds: float) -> Thinking:
+    top = turn.decisions[0]
+    choice = next(op for op in top.plan if op.startswith(("ExamineObj", "FindObj")))
+    calls = sum(decision.clingo_calls for decision in turn.decisions)
+    return Thinking(seconds, seconds, tuple(turn.decisions), choice, top.cost, calls, replans=1)

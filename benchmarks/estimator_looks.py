@@ -1,0 +1,279 @@
+"""Looks at a crowded table, detection by detection: who is taken for whom, and what gross errors do."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import PCG64, Generator, SeedSequence
+from numpy.typing import NDArray
+
+from skolem.estimation.belief import Belief
+from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.events import Looked
+from skolem.estimation.se2 import between, compose, exp
+from skolem.sim.detector import pose_covariance
+from skolem.sim.symbolic_view import Solid, camera, depth_view
+from skolem.traces.messages import (
+    Action,
+    ActionResult,
+    Detection,
+    HsvBelief,
+    LookAt,
+    MoveBase,
+    NoiseModel,
+    ObjectType,
+    Observation,
+    Pose2,
+    Prior,
+    PriorObject,
+    RobotState,
+)
+
+Array = NDArray[np.float64]
+CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True)
+TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.7), graspable=False)
+ROBOT = RobotState(torso=0.2, head=(0.0, 0.6), right_arm=(0.0,) * 7, left_arm=(0.0,) * 7)
+NOISE = NoiseModel(
+    depth_sd_scale=1.0,
+    extrinsics_sd_m=0.003,
+    extrinsics_sd_rad=0.004,
+    found=0.9,
+    false_per_look=0.1,
+    type_right=0.95,
+    colour_gain=0.83,
+    colour_sd_rgb=0.03,
+    odometry_sd_m=0.005,
+    odometry_sd_per_m=0.02,
+    odometry_sd_rad=0.01,
+    odometry_sd_per_rad=0.02,
+    wrist_sd_newton=0.4,
+    wrist_drift_newton=0.05,
+    grasp_sd_m=0.006,
+    grasp_sd_rad=0.05,
+    place_sd_m=0.003,
+    place_sd_rad=0.03,
+)
+FIT_SD, ROUND_SD = 0.002, 1.8  # of the place and of the heading of a can
+CAMERA = camera(ROBOT.torso, *ROBOT.head)
+GROSS_M = (0.15, 0.50)  # how far off an outlier is, each axis: well beyond what was told of a can
+MODERATE_M = (0.08, 0.40)  # and if it may be within that: two to four sds
+LEAST, MOST = (0.65, -0.60), (1.30, 0.60)  # x and y of the part of the table that the camera sees
+SAME_M = 0.15  # an anchor farther than this from a can is not taken for one of it
+GIVEN_UP = EstimatorConfig().retired
+GHOST_M = 0.05  # an anchor farther than this from every can is of nothing
+
+
+@dataclass(frozen=True, slots=True)
+class Crowd:
+    """How hard a look is to read.
+
+    Attributes:
+        name: For people.
+        cans: How many, on a square grid.
+        spacing_m: Of the grid.
+        base_sds: How badly the base is known, x, y, theta.
+        told_sd_m: How badly each can is.
+        found: Share of the cans that is reported.
+    """
+
+    name: str
+    cans: int
+    spacing_m: float
+    base_sds: tuple[float, float, float]
+    told_sd_m: float
+    found: float
+
+
+def whole_look_is_right(crowd: Crowd, seed: int, hypotheses: int) -> bool:
+    """Return whether every reported can of a first look is taken for itself."""
+    draws = Generator(PCG64(SeedSequence([seed])))
+    side = math.ceil(math.sqrt(crowd.cans))
+    grid = [divmod(i, side) for i in range(crowd.cans)]
+    middle = crowd.spacing_m * (side - 1) / 2.0
+    told: dict[str, Pose2] = {
+        f"can{i}": (0.7 + crowd.spacing_m * row, crowd.spacing_m * column - middle, 0.0)
+        for i, (row, column) in enumerate(grid)
+    }
+    error = exp(draws.normal(size=3) * crowd.base_sds)
+    true = {name: moved(pose, draws, crowd.told_sd_m) for name, pose in told.items()}
+    seen = {name: between(error, pose) for name, pose in true.items() if draws.random() < crowd.found}
+    config = EstimatorConfig(hypotheses=hypotheses)
+    belief = Belief(prior(told, crowd.told_sd_m, crowd.base_sds, NOISE), config)
+    look(belief, 0, [detection(pose) for pose in seen.values()], [])
+    (event,) = (event for event in belief.events if isinstance(event, Looked))
+    places = {s.anchor: s.detection.base_T_object[:2] for s in event.sightings}
+    return {name: pose[:2] for name, pose in seen.items()} == places
+
+
+@dataclass(frozen=True, slots=True)
+class Endured:
+    """What gross errors did to a run.
+
+    Attributes:
+        along: Squared errors of the places of cans relative to the base, after every look, square metres: of the
+            nearest listed anchor, if one is near.
+        at_end: The same after the last look.
+        ghosts: Listed anchors of nothing, at the end.
+        lost: Cans of which no anchor is left at the end, listed or doubted.
+        duplicates: Listed anchors beyond one a can, at the end.
+        renamed: Cans that are listed under another name than they were told by.
+    """
+
+    along: Array
+    at_end: Array
+    ghosts: int
+    lost: int
+    duplicates: int
+    renamed: int
+
+
+def endured(
+    seed: int,
+    cans: int,
+    looks: int,
+    calm: int,
+    outliers: float,
+    false: float,
+    off_m: tuple[float, float] = GROSS_M,
+) -> Endured:
+    """Return how a belief gets through looks with gross errors, and a few calm ones at the end.
+
+    Args:
+        seed: Of every draw.
+        cans: How many stand on the table.
+        looks: How many with gross errors.
+        calm: How many without.
+        outliers: Share of the detections that are far off.
+        false: Share of detections that are of nothing.
+        off_m: How far off outliers are, each axis, least and most.
+    """
+    draws, gross = Generator(PCG64(SeedSequence([seed]))), Generator(PCG64(SeedSequence([seed, 1])))
+    told: dict[str, Pose2] = {
+        f"can{i}": (0.75 + 0.15 * (i % 2), 0.17 * (i - (cans - 1) / 2.0), 0.0) for i in range(cans)
+    }
+    noise = NOISE.model_copy(update={"false_per_look": max(false * cans, NOISE.false_per_look)})
+    belief, base = Belief(prior(told, 0.03, (0.01, 0.01, 0.01), noise)), exp(draws.normal(size=3) * 0.01)
+    true = {name: moved(pose, draws, 0.03) for name, pose in told.items()}
+    along = []
+    here = {name: between(base, pose) for name, pose in true.items()}
+    for step in range(looks + calm):
+        if step % 3 == 2:
+            motion = exp(draws.uniform(-0.05, 0.05, 3))
+            base = compose(compose(base, motion), exp(draws.normal(size=3) * (0.006, 0.006, 0.011)))
+            drive(belief, motion)
+            here = {name: between(base, pose) for name, pose in true.items()}
+        calibration = exp(draws.normal(size=3) * (0.004, 0.004, 0.004))
+        seen = [moved(compose(calibration, pose), draws, FIT_SD) for pose in here.values()]
+        share, ghosts = (outliers, false) if step < looks else (0.0, 0.0)
+        seen = [shifted(pose, off_m, gross) if gross.random() < share else pose for pose in seen]
+        seen = [pose for pose, luck in zip(seen, draws.random(cans), strict=True) if luck < noise.found]
+        nothing = gross.uniform(LEAST, MOST, (gross.poisson(ghosts * cans), 2)).tolist()
+        look(belief, step, [detection(pose) for pose in [*seen, *((x, y, 0.0) for x, y in nothing)]], [*here.values()])
+        along.append(_nearest(belief, belief.anchors(), here))
+    named = {s.anchor for event in belief.events if isinstance(event, Looked) for s in event.sightings} | set(told)
+    left = [name for name in sorted(named) if belief.prob_exists(name) >= GIVEN_UP]
+    lost = int(np.isnan(_nearest(belief, left, here)).sum())
+    listed = [name for name in belief.anchors() if belief.graspable(name)]
+    near: NDArray[np.bool_] = np.array(
+        [[_off_m(belief, name, pose) < GHOST_M for pose in here.values()] for name in listed]
+    )
+    return Endured(
+        along=np.square(np.concatenate(along)),
+        at_end=np.square(along[-1]),
+        ghosts=int((~near.any(axis=1)).sum()),
+        lost=lost,
+        duplicates=int(np.maximum(near.sum(axis=0) - 1, 0).sum()),
+        renamed=int(near[[name not in told for name in listed]].any(axis=0).sum()),
+    )
+
+
+def _nearest(belief: Belief, anchors: Iterable[str], here: dict[str, Pose2]) -> Array:
+    """Return how far the nearest of some anchors is from each can, shape (n,), metres; NaN if none is near."""
+    loose = [name for name in anchors if belief.graspable(name)]
+    off = [min((_off_m(belief, name, pose) for name in loose), default=math.inf) for pose in here.values()]
+    return np.array([distance if distance < SAME_M else math.nan for distance in off])
+
+
+def moved(pose: Pose2, draws: Generator, sd_m: float) -> Pose2:
+    """Return a pose a little elsewhere."""
+    return compose(pose, exp(draws.normal(size=3) * (sd_m, sd_m, 0.0)))
+
+
+def shifted(pose: Pose2, off_m: tuple[float, float], draws: Generator) -> Pose2:
+    """Return a pose grossly elsewhere, on the table and in view: a camera reports nothing that it does not see."""
+    while True:
+        far, sign = draws.uniform(*off_m, 2), np.sign(draws.uniform(-1.0, 1.0, 2))
+        x, y = pose[0] + float(far[0] * sign[0]), pose[1] + float(far[1] * sign[1])
+        if LEAST[0] <= x <= MOST[0] and LEAST[1] <= y <= MOST[1]:
+            return (x, y, pose[2])
+
+
+def _off_m(belief: Belief, name: str, base_T_can: Pose2) -> float:
+    return math.dist(belief.gaussian("pose", name).mean[:2], base_T_can[:2])
+
+
+# ---------------------------------------------------------------- what the robot is told, does and sees
+
+
+def prior(cans: dict[str, Pose2], sd_m: float, base_sds: tuple[float, float, float], noise: NoiseModel) -> Prior:
+    """Return the belief on a table of cans before the first look."""
+    table = PriorObject(
+        anchor="table1", type={"table": 1.0}, world_T_object=(1.0, 0.0, 0.0, 0.0), sd_xy_m=0.01, sd_theta_rad=0.005
+    )
+    objects = [
+        PriorObject(
+            anchor=name,
+            type={"soda": 1.0},
+            world_T_object=(x, y, TABLE.size_m[2], theta),
+            sd_xy_m=sd_m,
+            sd_theta_rad=ROUND_SD,
+            support="table1",
+        )
+        for name, (x, y, theta) in cans.items()
+    ]
+    return Prior(
+        world_T_base=(0.0, 0.0, 0.0),
+        base_sd_xy_m=base_sds[0],
+        base_sd_theta_rad=base_sds[2],
+        robot=ROBOT,
+        objects=(table, *objects),
+        types={"soda": CAN, "table": TABLE},
+        colour=HsvBelief(mean=(0.5, 0.5, 0.5), variance=(0.1, 0.1, 0.1)),
+        log_weight=(math.log(0.3), 0.36),
+        noise=noise,
+    )
+
+
+def detection(base_T_can: Pose2) -> Detection:
+    """Return a detection of a can there."""
+    x, y, _ = base_T_can
+    place = (x, y, TABLE.size_m[2], 0.0)
+    fit = np.diag([FIT_SD**2, FIT_SD**2, ROUND_SD**2])
+    return Detection(
+        base_T_object=place,
+        covariance=pose_covariance(fit, place, CAMERA.origin, NOISE),
+        type_log_likelihood={"soda": 0.0},
+        rgb=(0.6, 0.1, 0.1),
+        points=200,
+    )
+
+
+def look(belief: Belief, step: int, seen: list[Detection], standing: list[Pose2]) -> None:
+    """Let the robot look: what it reports, and a depth image of the cans that stand there, if any."""
+    solids = [Solid("table1", TABLE, (1.0, 0.0, 0.0, 0.0))]
+    solids += [Solid(f"can{i}", CAN, (x, y, TABLE.size_m[2], 0.0)) for i, (x, y, _) in enumerate(standing)]
+    view = depth_view(CAMERA, solids, CAMERA) if standing else None
+    command = LookAt(pan=ROBOT.head[0], tilt=ROBOT.head[1])
+    observation = Observation(step=step, kind="look", detections=tuple(seen), view=view)
+    belief.update(_action(step, command), ActionResult(step=step, status="done", robot=ROBOT), observation)
+
+
+def drive(belief: Belief, odometry: Pose2) -> None:
+    """Let the robot drive."""
+    result = ActionResult(step=0, status="done", robot=ROBOT, odometry=odometry)
+    belief.update(_action(0, MoveBase(start_T_waypoint=(odometry,))), result, Observation(step=0, kind="none"))
+
+
+def _action(step: int, command: LookAt | MoveBase) -> Action:
+    return Action(step=step, op=command.kind, args=(), command=command)

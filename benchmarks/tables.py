@@ -1,0 +1,96 @@
+"""Tables of measurements, and the page they are written to: each section between markers of its own."""
+
+import os
+import platform
+import re
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+PAGE = ROOT / "docs" / "benchmarks.md"
+INTRODUCTION = """# Benchmarks
+
+Made by `make bench`. Times are of one machine and differ from another's; what is compared was measured in one run.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """What a table should show, and whether it does.
+
+    Attributes:
+        text: What is asked for.
+        met: Whether the measurement has it.
+        found: The figure that decides.
+    """
+
+    text: str
+    met: bool
+    found: str
+
+    def __str__(self) -> str:
+        return f"- {'met' if self.met else '**missed**'}: {self.text} ({self.found})"
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """One measurement.
+
+    Attributes:
+        title: Of its section; also what its markers are called.
+        about: What was measured, and how.
+        header: Names of the columns.
+        rows: Cells, as they are printed.
+        targets: What was asked for.
+        notes: Paragraphs below, such as the profile of what missed its target.
+    """
+
+    title: str
+    about: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[object]]
+    targets: Sequence[Target] = ()
+    notes: Sequence[str] = field(default_factory=tuple)
+
+    def __str__(self) -> str:
+        """Return the section in Markdown."""
+        lines = [f"## {self.title}", "", self.about, "", _row(self.header), _row(["---"] * len(self.header))]
+        lines += [_row(row) for row in self.rows]
+        if self.targets:
+            lines += ["", *map(str, self.targets)]
+        for note in self.notes:
+            lines += ["", note]
+        return "\n".join([*lines, "", f"<sub>{_where()}</sub>"])
+
+
+def write(table: Table, page: Path = PAGE) -> None:
+    """Put a section into the page, in the place of the one of the same title, or at the end."""
+    text = page.read_text(encoding="utf-8") if page.exists() else INTRODUCTION
+    name = re.sub(r"\W+", "-", table.title.lower()).strip("-")
+    begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
+    section = f"{begin}\n{table}\n{end}\n"
+    before, found, rest = text.partition(f"{begin}\n")
+    text = before + section + rest.partition(f"{end}\n")[2] if found else f"{text.rstrip()}\n\n{section}"
+    page.write_text(text, encoding="utf-8")
+
+
+def _row(cells: Sequence[object]) -> str:
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def _where() -> str:
+    """Return commit and machine."""
+    git = ["git", "-C", str(ROOT)]
+    commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
+    dirty = subprocess.run([*git, "status", "--porcelain"], capture_output=True, text=True, check=False).stdout
+    changed = " with local changes" if dirty.strip() else ""
+    machine = f"{platform.machine()}, {os.cpu_count()} cores, {_processor()}"
+    return f"commit {commit.stdout.strip() or 'unknown'}{changed}; {machine}; Python {platform.python_version()}"
+
+
+def _processor() -> str:
+    info = Path("/proc/cpuinfo")
+    names = re.findall(r"model name\s*: (.*)", info.read_text(encoding="utf-8")) if info.exists() else []
+    return names[0] if names else platform.processor() or "unknown processor"
