@@ -314,8 +314,8 @@ def robustness() -> Table:
         ),
         (
             "On the way the error is larger where, in one of the first looks, an outlier near the place that was told "
-            "of a can is taken for it; the can then goes on under a new name, and the wrong place is given up after a few "
-            "looks. Told to 3 cm, a can may be 12 cm away: until it was seen, nothing tells the two apart.",
+            "of a can is taken for it; the can then goes on under a new name, and the wrong place is given up after "
+            "a few looks. Told to 3 cm, a can may be 12 cm away: until it was seen, nothing tells the two apart.",
         ),
     )
 

@@ -13,8 +13,7 @@ Covariances are in the tangent space of the mean, (x, y, theta) in the body's ow
 """
 
 from collections.abc import Collection, Iterable, Mapping
-from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import gtsam
 import numpy as np
@@ -36,13 +35,13 @@ from skolem.estimation.events import (
     Split,
     Weighed,
 )
+from skolem.estimation.graph_state import Grasp, empty
 from skolem.estimation.se2 import Matrix, adjoint, between, compose, flat, inverse, raised, relative_jacobian, symmetric
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
 
 BASE = "base"
 EPOCHS = 1 << 20  # epochs of one anchor
-RELINEARIZE_FROM = 0.001  # change of a variable, metres or radians, from which its factors are linearised anew
 SETTLING_UPDATES = 2  # after each event: a sighting far from the mean moves it, and its covariance follows the mean
 
 
@@ -63,15 +62,6 @@ class Joint:
     def block(self, index: int) -> Matrix:
         """Return the marginal covariance of one pose, shape (3, 3)."""
         return self.covariance[3 * index : 3 * index + 3, 3 * index : 3 * index + 3]
-
-
-@dataclass(frozen=True, slots=True)
-class Grasp:
-    """The variable of a grasp and what it holds."""
-
-    key: int
-    anchor: str
-    z: float  # of tool_T_object, metres
 
 
 def grasp_factor(base: int, item: int, grasp: int, base_T_tool: Pose2, sds: tuple[float, float]) -> gtsam.CustomFactor:
@@ -108,56 +98,12 @@ def _tuple(pose: gtsam.Pose2) -> Pose2:
     return (pose.x(), pose.y(), pose.theta())
 
 
-@dataclass(slots=True)
-class State:
-    """Everything that events change.
-
-    Attributes:
-        isam: The smoother.
-        robot: What the encoders last said.
-        noise: Sds of a grasp, metres and radians.
-        base: Key of where the base is now.
-        entry: Key of where it was at the last consolidation, or at the start.
-        moves, looks, picks: How many there were.
-        numbers: Of each anchor.
-        epochs: How often each anchor was moved.
-        grasps: By the hand that holds something.
-        forgotten: Where anchors that were given up were last believed.
-    """
-
-    isam: gtsam.ISAM2
-    robot: RobotState | None = None
-    noise: tuple[float, float] = (0.0, 0.0)
-    base: int = field(default_factory=lambda: int(gtsam.symbol("x", 0)))
-    entry: int = field(default_factory=lambda: int(gtsam.symbol("x", 0)))
-    moves: int = 0
-    looks: int = 0
-    picks: int = 0
-    numbers: dict[str, int] = field(default_factory=dict)
-    epochs: dict[str, int] = field(default_factory=dict)
-    grasps: dict[Hand, Grasp] = field(default_factory=dict)
-    forgotten: dict[str, Pose2] = field(default_factory=dict)
-
-    def copied(self) -> "State":
-        """Return a state that changes of this one leave alone."""
-        fields = {name: copy(getattr(self, name)) for name in self.__slots__ if name != "isam"}
-        return State(gtsam.ISAM2(self.isam), **fields)
-
-
-def _empty() -> State:
-    parameters = gtsam.ISAM2Params()
-    parameters.setRelinearizeThreshold(RELINEARIZE_FROM)
-    parameters.relinearizeSkip = 1
-    parameters.findUnusedFactorSlots = True
-    return State(gtsam.ISAM2(parameters))
-
-
 class PoseGraph:
     """Where the base and the objects are."""
 
     def __init__(self, config: EstimatorConfig) -> None:
         self._config = config
-        self._start, self._log = _empty(), list[Event]()  # the present is `_start` and then `_log`
+        self._start, self._log = empty(), list[Event]()  # the present is `_start` and then `_log`
         self._now = self._start.copied()
 
     # ------------------------------------------------------------ change
@@ -177,7 +123,7 @@ class PoseGraph:
 
     def rebuild(self, events: Iterable[Event]) -> None:
         """Forget everything and take in `events`."""
-        self._start = _empty()
+        self._start = empty()
         self._replay(events)
 
     def _replay(self, events: Iterable[Event]) -> None:

@@ -7,6 +7,7 @@ the rules only those are loaded that can fire for these facts (`shapes`).
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Final
 
 import clingo
@@ -22,6 +23,7 @@ from skolem.traces.errors import InternalError
 CLINGO_OPTIONS: Final = ("--parallel-mode=1", "--seed=1", "--warn=all", "--models=2")
 _PREFIX: Final = "_of_"  # of the predicates that got the number of the question
 _NUMBER: Final = "Number_of_question"
+MEMORY: Final = 4096  # entries of each memo
 _WORD: Final = re.compile(r"[A-Za-z_][\w']*")
 
 Question = tuple[Term, ...]  # ground facts
@@ -65,8 +67,8 @@ class Questions:
         self._always = [_show_signature(s, self._numbered) for s in statements if s.ast_type is ASTType.ShowSignature]
         self._always += [numbering.of(s) for s in self._shown_terms]
         self._terms: dict[clingo.Symbol, Term] = {}  # memo
-        self._matter: dict[frozenset[Term], frozenset[int]] = {}
-        self._slices: dict[frozenset[frozenset[Term]], list[AST]] = {}
+        self._needed = lru_cache(MEMORY)(self._find_needed)
+        self._slice = lru_cache(MEMORY)(self._find_slice)
 
     def _show(self, statements: Sequence[AST]) -> frozenset[Signature]:
         """Return the predicates that are shown; none if nothing says which."""
@@ -85,7 +87,7 @@ class Questions:
             InternalError: If a query fails or clingo stops.
         """
         solved = Solved([[] for _ in questions])
-        statements = self._slice(questions)
+        statements = self._slice(frozenset(frozenset(map(shape, facts)) for facts in questions))
         if not statements:
             return solved
         control = clingo.Control(
@@ -111,23 +113,17 @@ class Questions:
         solved.ground_atoms = len(control.symbolic_atoms)
         return solved
 
-    def _slice(self, questions: Sequence[Question]) -> list[AST]:
+    def _find_slice(self, shapes: frozenset[frozenset[Term]]) -> list[AST]:
         """Return the statements that matter to questions of these shapes; none if nothing can follow."""
-        shapes = frozenset(frozenset(map(shape, facts)) for facts in questions)
-        if shapes not in self._slices:
-            asked = {(fact.name, len(fact.args)) for facts in questions for fact in facts if isinstance(fact, Compound)}
-            needed = sorted(frozenset().union(*map(self._needed, shapes)))
-            derived = set[Signature]().union(*(self._heads[index] for index in needed))
-            given = self._outputs | asked | set().union(*(self._uses[index] for index in needed)) - derived
-            chosen = [self._rules[index] for index in needed]
-            rules = [
-                *_defined(given, self._numbered),
-                *self._always,
-                *self._constants_in([*self._always, *chosen]),
-                *chosen,
-            ]
-            self._slices[shapes] = rules if needed or asked & self._outputs else []
-        return self._slices[shapes]
+        asked = {(fact.name, len(fact.args)) for facts in shapes for fact in facts if isinstance(fact, Compound)}
+        needed = sorted(frozenset().union(*map(self._needed, shapes)))
+        if not needed and not asked & self._outputs:
+            return []
+        derived = set[Signature]().union(*(self._heads[index] for index in needed))
+        given = self._outputs | asked | set().union(*(self._uses[index] for index in needed)) - derived
+        chosen = [self._rules[index] for index in needed]
+        constants = self._constants_in([*self._always, *chosen])
+        return [*_defined(given, self._numbered), *self._always, *constants, *chosen]
 
     def _constants_in(self, rules: Iterable[AST]) -> list[AST]:
         """Return the definitions of the constants that rules name, and of those that these are made of."""
@@ -140,12 +136,10 @@ class Questions:
             waiting += new.values()
         return list(found.values())
 
-    def _needed(self, shapes: frozenset[Term]) -> frozenset[int]:
+    def _find_needed(self, shapes: frozenset[Term]) -> frozenset[int]:
         """Return the rules that matter to one question."""
-        if shapes not in self._matter:
-            atoms = [fact for fact in sorted(shapes, key=str) if isinstance(fact, Compound)]
-            self._matter[shapes] = self._program.needed(self._program.fired(atoms), self._outputs)
-        return self._matter[shapes]
+        atoms = [fact for fact in sorted(shapes, key=str) if isinstance(fact, Compound)]
+        return self._program.needed(self._program.fired(atoms), self._outputs)
 
     def _facts(self, questions: Sequence[Question]) -> Iterator[clingo.Symbol]:
         for number, facts in enumerate(questions):
@@ -157,6 +151,9 @@ class Questions:
                 yield clingo.Function(_PREFIX + fact.name, [clingo.Number(number), *map(to_symbol, fact.args)])
 
     def _distribute(self, symbols: Iterable[clingo.Symbol], shown: Sequence[list[Term]]) -> None:
+        """Give every question its shown atoms."""
+        if len(self._terms) > MEMORY:  # rules that are shared by many runs meet ever new numbers
+            self._terms.clear()
         for symbol in symbols:
             name = symbol.name
             if not name.startswith(_PREFIX):

@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
+from test_belief import CANS, Robot, depth_view, detection, prior
 from test_pose_graph import began, graph_of, looked, random_log
 
+from skolem.estimation.belief import Belief
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.events import Consolidated, Event, Moved, Picked, PickFailed
+from skolem.estimation.events import EVENT, Consolidated, Event, Moved, Picked, PickFailed
 from skolem.estimation.fluents import covariance_within
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.se2 import flat
@@ -89,3 +91,17 @@ def test_misfitting_event_after_a_summary_leaves_no_trace() -> None:
     graph.apply(PickFailed(anchor="can0"))
     untouched.apply(PickFailed(anchor="can0"))
     assert graph.joint(NAMES).covariance.tobytes() == untouched.joint(NAMES).covariance.tobytes()
+
+
+def test_long_run_is_summed_up_and_what_was_given_up_forgotten() -> None:
+    robot = Robot(prior(), EstimatorConfig(consolidate_after=8))
+    for look in range(20):
+        ghost = [detection((0.8, 0.15, 0.0))] if look == 0 else []
+        robot.look([*(detection(pose) for pose in CANS.values()), *ghost], depth_view(CANS.values()))
+    assert [event.kind for event in robot.belief.events].count("consolidated") == 2
+    assert robot.belief.anchors() == ("table1", *CANS)
+    forgotten = [name for event in robot.belief.events if isinstance(event, Consolidated) for name in event.forgotten]
+    assert forgotten == ["_o1_"]
+    assert robot.belief.prob_near("_o1_", "can2", 0.01) < 0.01
+    text = [EVENT.dump_json(event) for event in robot.belief.events]
+    assert Belief.from_events(EVENT.validate_json(line) for line in text).snapshot(1) == robot.belief.snapshot(1)

@@ -113,8 +113,8 @@ def test_weight_is_that_of_bayes_rule_over_weight_and_bias(
     belief = WeightBelief(math.log(0.4), 0.36, WRIST)
     for kg in readings:
         belief = belief.updated(kg)
-    u: Array = (math.log(0.4) - 6.0 + (np.arange(8000) + 0.5) / 800.0)[:, None]
-    bias: Array = np.linspace(-0.12, 0.12, 481)[None, :]
+    u: Array = (math.log(0.4) - 6.0 + (np.arange(8000, dtype=np.float64) + 0.5) / 800.0)[:, None]
+    bias = np.linspace(-0.12, 0.12, 481, dtype=np.float64)[None, :]
     density = normal(u, math.log(0.4), 0.36) * normal(bias, 0.0, WRIST.drift_kg**2)
     for kg in readings:
         density = density * normal(np.exp(u) + bias, kg, WRIST.sd_kg**2)

@@ -13,7 +13,7 @@ from skolem.traces.messages import Pose2
 CANS = {f"can{i}": (0.75 + 0.15 * (i % 2), -0.4 + 0.2 * i, 0.0) for i in range(5)}
 SHARE = 0.1  # of outliers, and of false detections
 NEAR_M = 0.05
-LOOKS, CALM, SEEDS = 16, 2, 2  # the last looks without gross errors: what is there must be listed again
+LOOKS, CALM, SEEDS = 12, 2, 1  # the last looks without gross errors: what is there must be listed again
 
 
 def run(seed: int, outliers: float, false: float) -> tuple[Robot, dict[str, Pose2], list[float]]:

@@ -1,0 +1,64 @@
+"""What the pose graph knows beside its log: the smoother, which variable stands for what, and who is in which hand."""
+
+from copy import copy
+from dataclasses import dataclass, field
+
+import gtsam
+
+from skolem.traces.messages import Hand, Pose2, RobotState
+
+RELINEARIZE_FROM = 0.001  # change of a variable, metres or radians, from which its factors are linearised anew
+
+
+@dataclass(frozen=True, slots=True)
+class Grasp:
+    """The variable of a grasp and what it holds."""
+
+    key: int
+    anchor: str
+    z: float  # of tool_T_object, metres
+
+
+@dataclass(slots=True)
+class State:
+    """Everything that events change.
+
+    Attributes:
+        isam: The smoother.
+        robot: What the encoders last said.
+        noise: Sds of a grasp, metres and radians.
+        base: Key of where the base is now.
+        entry: Key of where it was at the last consolidation, or at the start.
+        moves, looks, picks: How many there were.
+        numbers: Of each anchor.
+        epochs: How often each anchor was moved.
+        grasps: By the hand that holds something.
+        forgotten: Where anchors that were given up were last believed.
+    """
+
+    isam: gtsam.ISAM2
+    robot: RobotState | None = None
+    noise: tuple[float, float] = (0.0, 0.0)
+    base: int = field(default_factory=lambda: int(gtsam.symbol("x", 0)))
+    entry: int = field(default_factory=lambda: int(gtsam.symbol("x", 0)))
+    moves: int = 0
+    looks: int = 0
+    picks: int = 0
+    numbers: dict[str, int] = field(default_factory=dict)
+    epochs: dict[str, int] = field(default_factory=dict)
+    grasps: dict[Hand, Grasp] = field(default_factory=dict)
+    forgotten: dict[str, Pose2] = field(default_factory=dict)
+
+    def copied(self) -> "State":
+        """Return a state that changes of this one leave alone."""
+        fields = {name: copy(getattr(self, name)) for name in self.__slots__ if name != "isam"}
+        return State(gtsam.ISAM2(self.isam), **fields)
+
+
+def empty() -> State:
+    """Return the state before the first event."""
+    parameters = gtsam.ISAM2Params()
+    parameters.setRelinearizeThreshold(RELINEARIZE_FROM)
+    parameters.relinearizeSkip = 1
+    parameters.findUnusedFactorSlots = True
+    return State(gtsam.ISAM2(parameters))
