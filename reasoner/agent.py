@@ -66,6 +66,7 @@ class Agent:
         self._denotations = Denotations(goal.expressions, rulebook)
         self._mutexes = read_mutexes(rulebook)
         self._refused: dict[tuple[Term, int], Term] = {}  # (step, level) -> what it is called
+        self._in_vain: set[object] = set()  # searches without a plan in this belief: with more refusals they have none
         self._objections: dict[Term, str] = {}  # step -> why the robot cannot do such a thing
         self._failures: Counter[Term] = Counter()
         self._executed: Step | None = None
@@ -77,6 +78,7 @@ class Agent:
         if self._belief.version != self._version:
             self._version, self._posed = self._belief.version, self._pose()
             self._refused.clear()
+            self._in_vain.clear()
         self._count_failure()
         turn = Turn(closest=self._posed.closest(), denotation=self._denotation(step))
         if self._posed.achieved() is not None:
@@ -146,6 +148,9 @@ class Agent:
     def _plan(
         self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: PlanCause, final: Term | None = None
     ) -> None:
+        search = (roots, final, self._stack.refined())
+        if search in self._in_vain:
+            return
         calls, atoms = self._posed.offers.calls, self._posed.offers.ground_atoms
         found = regress(
             roots,
@@ -162,6 +167,8 @@ class Agent:
         if found.steps:
             self._stack.push(found.steps)
             turn.plans.append(self._stack.message(step, Change(cause)))
+        else:
+            self._in_vain.add(search)
 
     def _decision(self, step: int, roots: tuple[Subgoal, ...], found: Found, calls: int, atoms: int) -> Decision:
         return Decision(

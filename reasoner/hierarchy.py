@@ -56,8 +56,12 @@ class PlanStack:
 
     def level_of(self, instance: Instance) -> int:
         """Return 1 + the highest level of the same operation among the steps being refined, 0 if there is none."""
+        return max((level + 1 for called, level in self.refined() if called == instance.called), default=0)
+
+    def refined(self) -> frozenset[tuple[Term, int]]:
+        """Return operation and level of every step being refined: all that `level_of` depends on."""
         chosen = [layer[i] for layer, i in zip(self._layers, self._chosen, strict=True)]
-        return max((s.level + 1 for s in chosen if s.instance.called == instance.called), default=0)
+        return frozenset((step.instance.called, step.level) for step in chosen)
 
     def select(self, satisfied: Satisfied, false_in: Callable[[Subgoal], list[Term]]) -> list[Change]:
         """Choose a step in every layer for the present belief, pop layers that do not apply; return what changed."""

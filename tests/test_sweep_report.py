@@ -34,6 +34,7 @@ def row(
         reason="because\nof it",
         trace=f"sim1-{seed}.mcap",
         content_hash="0",
+        size_bytes=50_000,
         seconds=dict.fromkeys(TIMES, 0.25) | {"total": total},
     )
 
@@ -93,6 +94,8 @@ def test_effort_is_that_of_the_runs_that_ended_by_themselves() -> None:
     assert "| actions | 4 | 3 | 7 |" in text
     assert "Simulated over wall time: median 2.00." in text
     assert "| - motion planning | 0.25 | 0.25 | 0.25 |" in text
+    assert "| recording, % of the wall time | 12.50 | 12.50 | 12.50 |" in text
+    assert "| trace, kB per simulated minute | 750 | 750 | 750 |" in text
 
 
 def test_different_ways_to_success_are_counted_once_each() -> None:

@@ -139,8 +139,9 @@ def test_it_listens_to_this_machine_alone_and_ends_with_the_block(recording: Pat
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
 def test_it_ends_when_its_parent_is_ended(recording: Path, how: signal.Signals) -> None:
-    code = (
-        "import sys; from pathlib import Path; from skolem.tools.viewer import viewer\n"
+    code = (  # Ctrl-C is heard in a background job too
+        "import signal, sys; from pathlib import Path; from skolem.tools.viewer import viewer\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "with viewer('web', Path(sys.argv[1])) as shown:\n"
         "    print(shown.pid, flush=True); shown.wait()"
     )
@@ -150,7 +151,10 @@ def test_it_ends_when_its_parent_is_ended(recording: Path, how: signal.Signals) 
         assert parent.stdout is not None
         child = psutil.Process(int(parent.stdout.readline()))
         parent.send_signal(how)
-        parent.wait(20)
+        try:
+            parent.wait(20)
+        finally:
+            parent.kill()
     assert until(lambda: not child.is_running() or child.status() == psutil.STATUS_ZOMBIE, 10.0)
 
 

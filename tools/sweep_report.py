@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from skolem.reasoner.expressions import Believed, Estimated, Goal
-from skolem.tools.session import PARTS
+from skolem.tools.session import PARTS, RECORDING
 from skolem.tools.sweep_rows import Row
 
 CONFIDENCE = 0.95  # of the intervals
@@ -23,6 +23,11 @@ COUNTS: tuple[tuple[str, Callable[[Row], float]], ...] = (
 TIMES: tuple[tuple[str, Callable[[Row], float]], ...] = (
     ("simulated time, s", lambda row: row.simulated_s),
     ("wall time, s", lambda row: row.seconds["total"]),
+)
+RECORDS: tuple[tuple[str, Callable[[Row], float]], ...] = (
+    ("recording, % of the wall time", lambda row: 100.0 * row.seconds[RECORDING] / (row.seconds["total"] or 1.0)),
+    ("trace, kB", lambda row: row.size_bytes / 1e3),
+    ("trace, kB per simulated minute", lambda row: row.size_bytes / 1e3 / (row.simulated_s or 60.0) * 60.0),
 )
 
 
@@ -134,7 +139,7 @@ def _efforts(rows: Sequence[Row]) -> list[str]:
     return [
         "| of a run | median | least | most |",
         "|---|---|---|---|",
-        *(_effort(title, [value(row) for row in rows]) for title, value in [*COUNTS, *TIMES, *parts]),
+        *(_effort(title, [value(row) for row in rows]) for title, value in [*COUNTS, *TIMES, *parts, *RECORDS]),
         "",
         f"Simulated over wall time: median {speed:.2f}. Wall times of single-threaded processes on a machine with "
         f"{os.cpu_count()} processors ({platform.machine()}), Python {platform.python_version()}.",

@@ -27,7 +27,7 @@ TIMES = (*PARTS, "total")
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One run. Every field but the last is the same on every repetition.
+    """One run. Every field but the last two is the same on every repetition.
 
     Attributes:
         scenario: The scenario's name.
@@ -47,6 +47,7 @@ class Row:
         reason: Why the run ended.
         trace: Name of the trace; empty if there is none, because every worker that ran it died.
         content_hash: Of everything in the trace but wall times.
+        size_bytes: Of the trace; with it the wall times are recorded.
         seconds: Wall time by part, and `total`.
     """
 
@@ -67,6 +68,7 @@ class Row:
     reason: str
     trace: str
     content_hash: str
+    size_bytes: int
     seconds: Mapping[str, float]
 
     @property
@@ -75,11 +77,11 @@ class Row:
         return self.believed and self.true is True
 
     def facts(self) -> dict[str, object]:
-        """Return every field but the wall times, by name, in order."""
-        return {field.name: getattr(self, field.name) for field in fields(self) if field.name != "seconds"}
+        """Return every field that is the same on every repetition, by name, in order."""
+        return {name: getattr(self, name) for name in FACTS}
 
 
-FACTS = tuple(field.name for field in fields(Row) if field.name != "seconds")
+FACTS = tuple(field.name for field in fields(Row) if field.name not in ("size_bytes", "seconds"))
 
 
 def read_row(trace: Trace, name: str) -> Row:
@@ -115,6 +117,7 @@ def read_row(trace: Trace, name: str) -> Row:
         reason=end.reason,
         trace=name,
         content_hash=trace.content_hash,
+        size_bytes=trace.path.stat().st_size,
         seconds={part: round(milliseconds.get(part, 0.0) / 1e3, 3) for part in TIMES},
     )
 
@@ -139,6 +142,7 @@ def lost_row(start: RunStart, reason: str) -> Row:
         reason=reason,
         trace="",
         content_hash="",
+        size_bytes=0,
         seconds=dict.fromkeys(TIMES, 0.0),
     )
 

@@ -30,13 +30,17 @@ def test_what_the_goal_says_binds_the_variable() -> None:
     assert offered(stage(), "held(right,o2)") == ["pick(right,o2)"]
 
 
-def test_both_blockers_are_removed_and_each_to_any_support() -> None:
+def test_both_blockers_are_removed_by_either_hand_and_each_to_any_support() -> None:
     """ "Additional variables in theta that are not yet determined." """
     at = stage()
     (remove,) = at.offers.offers(parse_term("clear(pick(right,o2))"))
     assert {f for f, _ in preconditions(remove)} == {"aside(o1,pick(right,o2))", "aside(o3,pick(right,o2))"}
     for blocker in ("o1", "o3"):
-        ways = [f"place({blocker},{support},pick(right,o2))" for support in ("desk", "shelf", "side")]
+        ways = [
+            f"put({hand},{blocker},{support},pick(right,o2))"
+            for hand in ("left", "right")
+            for support in ("desk", "shelf", "side")
+        ]
         assert offered(at, f"aside({blocker},pick(right,o2))") == ways
     assert at.offers.offers(parse_term("clear(pick(left,o2))")) == ()
 

@@ -4,8 +4,8 @@ from papers import EXAMPLE_GOAL, NINE, example, posed, rehearsed
 
 from skolem.reasoner.terms import parse_term
 
-OPERATORS = {"look", "look_region", "move", "pick", "place", "weigh"}
-AXIOMS = {"examine", "find", "infer", "remove", "split"}
+OPERATORS = {"look_at", "look_at_region", "move", "pick", "place", "weigh"}
+AXIOMS = {"examine_obj", "find_obj", "infer", "remove_obst", "split"}
 FLUENTS = (
     f"b(den(e1,o2),{NINE})",
     f"b(den(e1,sk(var(o))),{NINE})",
@@ -31,7 +31,7 @@ def test_every_operator_has_a_primitive_and_no_axiom_has() -> None:
     play = example()
     at = posed(EXAMPLE_GOAL, play.belief, geometry=play.geometry)
     instances = [i for fluent in FLUENTS for i in at.offers.offers(parse_term(fluent))]
-    named = {str(i.step).partition("(")[0]: i.executes for i in instances}
+    named = {str(i.called).partition("(")[0]: i.executes for i in instances}
     assert set(named) == OPERATORS | AXIOMS
     assert {name for name, executes in named.items() if executes is not None} == OPERATORS
 
