@@ -119,6 +119,10 @@ class Agent:
     def _advance(self, turn: Turn, step: int) -> None:
         """Refine until the chosen step can be executed, or no plan is left."""
         while turn.action is None and turn.end is None:
+            if len(turn.plans) > self._limits.expansions:
+                said = f"plans changed {len(turn.plans)} times without an action (limits.expansions)"
+                self._finish(turn, step, "limit_reached", said)
+                return
             self._drop_what_no_longer_applies(turn, step)
             current = self._stack.current()
             if current is None:
@@ -142,8 +146,10 @@ class Agent:
         def false_in(fluents: Subgoal) -> list[Term]:
             return [f for f in fluents if not self._posed.situation.holds(f)]
 
-        while changes := self._stack.select(self._posed.satisfied, false_in):
+        while changes := self._stack.select(self._posed.satisfied, false_in, self._is_refused):
             turn.plans.extend(self._stack.message(step, change) for change in changes)
+            for useless in (each for change in changes for each in change.useless):
+                self._refused[useless.instance.step, useless.level] = useless.instance.called
 
     def _plan(
         self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: PlanCause, final: Term | None = None
@@ -156,7 +162,7 @@ class Agent:
             roots,
             self._posed.offers,
             self._stack.level_of,
-            lambda instance, level: (instance.step, level) in self._refused or self._hopeless(instance),
+            self._is_refused,
             self._limits.expansions,
             nll(self._limits.min_plan_probability),
             final,
@@ -208,6 +214,10 @@ class Agent:
                 args=_objects(current.instance.executes),
                 command=command,
             )
+
+    def _is_refused(self, instance: Instance, level: int) -> bool:
+        """Return whether a step is not to be planned with at a level, as long as the belief stays as it is."""
+        return (instance.step, level) in self._refused or self._hopeless(instance)
 
     def _hopeless(self, instance: Instance) -> bool:
         """Return whether an action failed so often that it is not tried again."""

@@ -20,10 +20,17 @@ Satisfied = Callable[[Subgoal], Binding | None]  # the binding of Skolem constan
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What happened to the stack: logged as the cause of a `Plan` message."""
+    """What happened to the stack: logged as the cause of a `Plan` message.
+
+    Attributes:
+        cause: What it was.
+        false_fluents: What is false now, or the names of the steps that cannot be used.
+        useless: Steps about a Skolem constant that turned out to be an anchor with which they cannot be used.
+    """
 
     cause: PlanCause
     false_fluents: tuple[Term, ...] = ()
+    useless: tuple[Step, ...] = ()
 
 
 class PlanStack:
@@ -63,8 +70,20 @@ class PlanStack:
         chosen = [layer[i] for layer, i in zip(self._layers, self._chosen, strict=True)]
         return frozenset((step.instance.called, step.level) for step in chosen)
 
-    def select(self, satisfied: Satisfied, false_in: Callable[[Subgoal], list[Term]]) -> list[Change]:
-        """Choose a step in every layer for the present belief, pop layers that do not apply; return what changed."""
+    def select(
+        self,
+        satisfied: Satisfied,
+        false_in: Callable[[Subgoal], list[Term]],
+        refused: Callable[[Instance, int], bool] = lambda _instance, _level: False,
+    ) -> list[Change]:
+        """Choose a step in every layer for the present belief, pop layers that do not apply; return what changed.
+
+        Args:
+            satisfied: Returns what makes a conjunction true now: a binding of its Skolem constants, None if nothing.
+            false_in: Returns the fluents of a conjunction that are false now.
+            refused: Whether a step cannot be used at a level in this belief. If a Skolem constant turns out to be an
+                anchor with which such a step would have to be taken, every plan is dropped.
+        """
         changes: list[Change] = []
         above: Step | None = None
         envelopes = self._envelopes()
@@ -74,10 +93,12 @@ class PlanStack:
                 return [*changes, self._popped(i, Change("popped"))]
             if satisfied(final) is not None:
                 return [*changes, self._popped(i, Change("popped"))]
-            choice = self._last_applicable(i, envelopes[i], satisfied, changes)
+            choice = self._last_applicable(i, envelopes[i], satisfied, refused, changes)
             if choice is None:
                 lost = sorted({f for step in layer for f in false_in(step.preimage)}, key=str)
                 return [*changes, self._popped(i, Change("preimage_lost", tuple(lost)))]
+            if isinstance(choice, Change):
+                return [*changes, self._popped(0, choice)]
             if choice != self._chosen[i]:
                 changes.append(Change("skipped_forward" if choice > self._chosen[i] else "fell_back"))
                 self._chosen[i] = choice
@@ -87,15 +108,26 @@ class PlanStack:
         return changes
 
     def _last_applicable(
-        self, i: int, envelopes: list[list[Subgoal]], satisfied: Satisfied, changes: list[Change]
-    ) -> int | None:
+        self,
+        i: int,
+        envelopes: list[list[Subgoal]],
+        satisfied: Satisfied,
+        refused: Callable[[Instance, int], bool],
+        changes: list[Change],
+    ) -> int | Change | None:
         for j in range(len(self._layers[i]) - 1, -1, -1):
             for envelope in envelopes[j]:
                 binding = satisfied(envelope)
                 if binding is None:
                     continue
                 if binding:
-                    self._bind(i, j, binding)
+                    steps = self._layers[i][j:]
+                    bound = [_bound(step, binding) for step in steps]
+                    useless = [old for old, new in zip(steps, bound, strict=True) if refused(new.instance, new.level)]
+                    if useless:
+                        return Change("refused", tuple(step.instance.called for step in useless), tuple(useless))
+                    self._layers[i][j:] = bound
+                    self._cut(i + 1)
                     changes.append(Change("bind_skolem"))
                 return j
         return None
@@ -113,12 +145,6 @@ class PlanStack:
                 for lower in out[i + 1]:
                     out[i][self._chosen[i]].extend(lower)
         return out
-
-    def _bind(self, i: int, j: int, binding: Binding) -> None:
-        """Replace Skolem constants by the anchors they turned out to be, from step j of layer i on."""
-        bound = [_bound(step, binding) if k >= j else step for k, step in enumerate(self._layers[i])]
-        self._layers[i] = bound
-        self._cut(i + 1)
 
     def _popped(self, i: int, change: Change) -> Change:
         self._cut(i)
@@ -140,6 +166,8 @@ class PlanStack:
 
 
 def _bound(step: Step, binding: Binding) -> Step:
+    """Return a step with its Skolem constants replaced by the anchors they turned out to be."""
+
     def apply(term: Term) -> Term:
         return substitute(term, binding)
 

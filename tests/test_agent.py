@@ -5,7 +5,10 @@ from minds import Region, Thing
 from papers import GREEN_TO_TABLE1, example, three_sodas
 from plays import BLUE, GREEN, LIMITS, RED, Play
 
+from skolem.reasoner.agent import Agent, Turn
+from skolem.reasoner.hierarchy import Change
 from skolem.reasoner.queries import Queries
+from skolem.reasoner.regression import Step
 from skolem.reasoner.rulebook import Rulebook
 
 HEAVY_SODA = "exists o. B(Den(lambda x. And(Heavy(x), Soda(x)), o), 0.9) & B(In(o, table1), 0.9)"
@@ -117,6 +120,19 @@ def test_the_limit_of_steps_ends_the_run(rulebook: Rulebook) -> None:
     end = play.turns[-1].end
     assert end is not None
     assert (end.status, end.steps) == ("limit_reached", 3)
+
+
+def test_plans_that_change_without_end_end_the_run(rulebook: Rulebook, monkeypatch: pytest.MonkeyPatch) -> None:
+    def change_for_ever(agent: Agent, turn: Turn, step: int, _current: Step) -> None:
+        turn.plans.append(agent._stack.message(step, Change("refine")))
+
+    monkeypatch.setattr(Agent, "_refine", change_for_ever)
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas())
+    assert play.run() == []
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.status == "limit_reached"
+    assert "limits.expansions" in end.reason
 
 
 def test_a_goal_that_is_believed_already_needs_no_action(rulebook: Rulebook) -> None:

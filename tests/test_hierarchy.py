@@ -126,3 +126,14 @@ def test_the_message_shows_layers_levels_and_the_chosen_steps() -> None:
     assert plan.step == 3
     assert plan.current == (1,)
     assert [s.op for s in plan.layers[0]] == ["look", "pick"]
+
+
+def test_a_placeholder_that_turns_out_to_be_what_cannot_be_used_ends_the_plan() -> None:
+    """Otherwise the same plan would be made again, and bound again, without end."""
+    find, place = step("find", ["far"], ["den(sk(o))"]), step("place(sk(o))", ["den(sk(o))"], ["there(sk(o))"])
+    stack, world = PlanStack(), World("far", "den(o2)", anchors=("o2",))
+    stack.push((find, place))
+    useless = parse_term("place(o2)")
+    (change,) = stack.select(world.satisfied, world.false_in, lambda instance, _level: instance.step == useless)
+    assert (change.cause, change.useless) == ("refused", (place,))
+    assert len(stack) == 0
