@@ -1,5 +1,6 @@
 """What a sweep says of its runs: shares with intervals, calibration, effort, failures; and what is said meanwhile."""
 
+from dataclasses import replace
 from io import StringIO
 
 import pytest
@@ -7,7 +8,7 @@ from rich.console import Console
 
 from skolem.reasoner.parser import parse_goal
 from skolem.tools.sweep_progress import Bar, Lines, said_of
-from skolem.tools.sweep_report import Part, line, promised, section, wilson, with_section
+from skolem.tools.sweep_report import Part, line, promised, section, sections, wilson, with_section
 from skolem.tools.sweep_rows import TIMES, Row
 
 GOAL = parse_goal("exists o. B(Den(lambda x. Green(x), o), 0.95) & B(In(o, table1), 0.9)", {"Green": 1, "In": 2})
@@ -92,7 +93,7 @@ def test_many_failures_that_say_the_same_are_one_line() -> None:
 def test_effort_is_that_of_the_runs_that_ended_by_themselves() -> None:
     text = section(part(row(0, ops="abc"), row(1, ops="abcd"), row(2, ops="abcdefg"), row(3, "error", None, ops="")))
     assert "| actions | 4 | 3 | 7 |" in text
-    assert "Simulated over wall time: median 2.00." in text
+    assert "Simulated over wall time: median 2." in text
     assert "| - motion planning | 0.25 | 0.25 | 0.25 |" in text
     assert "| recording, % of the wall time | 12.50 | 12.50 | 12.50 |" in text
     assert "| trace, kB per simulated minute | 750 | 750 | 750 |" in text
@@ -106,6 +107,14 @@ def test_different_ways_to_success_are_counted_once_each() -> None:
 def test_a_scenario_of_which_no_run_is_done_has_an_account_too() -> None:
     assert "| goal believed achieved | 0 of 0 | - |" in section(part())
     assert line(part()) == "sim1, symbolic world: 0 of 0 believed, 0 of these true; nothing done"
+
+
+def test_several_scenarios_have_an_overview_before_them() -> None:
+    one, other = part(row(0), row(1, true=False)), replace(part(row(0, "goal_unachievable"), row(1, "error")), name="z")
+    (key, text), *rest = sections([one, other])
+    assert (key, [found for found, _ in rest]) == ("overview symbolic", ["sim1 symbolic", "z symbolic"])
+    assert text.splitlines()[-2:] == ["| sim1 | 2 | 2 | 1 | 3 | 2 | 2 |", "| z | 2 | 0 | 0 | 3 | 2 | 2 |"]
+    assert [found for found, _ in sections([one])] == ["sim1 symbolic"]
 
 
 def test_a_section_replaces_its_own_and_leaves_the_others() -> None:

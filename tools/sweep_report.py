@@ -78,7 +78,44 @@ def promised(goal: Goal) -> float | None:
 
 def summary(parts: Iterable[Part]) -> str:
     """Return the whole account."""
-    return "\n".join(["# Sweep", "", *(section(part) for part in parts)])
+    return "\n".join(["# Sweep", "", *(text for _, text in sections(list(parts)))])
+
+
+def sections(parts: Sequence[Part]) -> list[tuple[str, str]]:
+    """Return the account of each scenario under its key, and before them an overview if there are several."""
+    found = [(part.key, section(part)) for part in parts]
+    if len(parts) > 1:
+        first = parts[0]
+        found.insert(0, (" ".join(["overview", first.world, *first.overrides]), _overview(parts)))
+    return found
+
+
+def _overview(parts: Sequence[Part]) -> str:
+    """Return a line per scenario: how many runs went well, and the medians of what they took."""
+    lines = [
+        f"## {', '.join(['All scenarios', f'{parts[0].world} world', *parts[0].overrides])}",
+        "",
+        "Of a run: medians.",
+        "",
+        "| scenario | runs | believed | of these true | actions | wall time, s | simulated over wall time |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for part in parts:
+        believed, true = sum(row.believed for row in part.rows), sum(row.succeeded for row in part.rows)
+        ended = [row for row in part.rows if row.status != "error"]
+        medians = [_median(ended, lambda row: row.actions), _median(ended, lambda row: row.seconds["total"])]
+        counts = f"{part.name} | {len(part.rows)} | {believed} | {true}"
+        lines.append(f"| {counts} | {' | '.join(medians)} | {_median(ended, _speed)} |")
+    return "\n".join([*lines, ""])
+
+
+def _speed(row: Row) -> float:
+    """Return simulated over wall time."""
+    return row.simulated_s / (row.seconds["total"] or 1.0)
+
+
+def _median(rows: Sequence[Row], value: Callable[[Row], float]) -> str:
+    return _number(statistics.median(map(value, rows))) if rows else "-"
 
 
 def section(part: Part) -> str:
@@ -135,14 +172,13 @@ def _share(title: str, hits: int, of: int) -> str:
 def _efforts(rows: Sequence[Row]) -> list[str]:
     """Return medians and ranges of the runs that ended by themselves, as a table."""
     parts = [(f"- {name.replace('_', ' ')}", lambda row, name=name: row.seconds[name]) for name in PARTS]
-    speed = statistics.median(row.simulated_s / row.seconds["total"] for row in rows if row.seconds["total"])
     return [
         "| of a run | median | least | most |",
         "|---|---|---|---|",
         *(_effort(title, [value(row) for row in rows]) for title, value in [*COUNTS, *TIMES, *parts, *RECORDS]),
         "",
-        f"Simulated over wall time: median {speed:.2f}. Wall times of single-threaded processes on a machine with "
-        f"{os.cpu_count()} processors ({platform.machine()}), Python {platform.python_version()}.",
+        f"Simulated over wall time: median {_median(rows, _speed)}. Wall times of single-threaded processes on a "
+        f"machine with {os.cpu_count()} processors ({platform.machine()}), Python {platform.python_version()}.",
     ]
 
 

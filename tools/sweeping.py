@@ -10,7 +10,7 @@ from pathlib import Path
 from skolem.tools import session
 from skolem.tools.planners import WorldKind
 from skolem.tools.sweep_progress import progress_for
-from skolem.tools.sweep_report import Part, line, section, summary, with_section
+from skolem.tools.sweep_report import Part, line, sections, summary, with_section
 from skolem.tools.sweep_rows import Row, put, results_csv, times_csv
 from skolem.tools.sweep_task import Task, done_before, tasks_of
 from skolem.traces.errors import Fault, InputError
@@ -135,6 +135,6 @@ def _write_tables(parts: Sequence[Part], out: Path, write: Path | None) -> None:
     put(out / "summary.md", summary(parts).encode())
     if write is not None:
         text = write.read_text(encoding="utf-8") if write.exists() else "# Results\n"
-        for part in parts:
-            text = with_section(text, part.key, section(part))
+        for key, account in sections(parts):
+            text = with_section(text, key, account)
         put(write, text.encode())
