@@ -119,8 +119,8 @@ class Agent:
     def _advance(self, turn: Turn, step: int) -> None:
         """Refine until the chosen step can be executed, or no plan is left."""
         while turn.action is None and turn.end is None:
-            if len(turn.plans) > self._limits.expansions:
-                said = f"plans changed {len(turn.plans)} times without an action (limits.expansions)"
+            if len(turn.plans) > self._limits.plan_changes:
+                said = f"plans changed {len(turn.plans)} times without an action (limits.plan_changes)"
                 self._finish(turn, step, "limit_reached", said)
                 return
             self._drop_what_no_longer_applies(turn, step)

@@ -6,6 +6,7 @@ every observation the stack is walked from the top: the last step whose pre-imag
 not apply any more are popped.
 """
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -85,14 +86,8 @@ class PlanStack:
                 anchor with which such a step would have to be taken, every plan is dropped.
         """
         changes: list[Change] = []
-        above: Step | None = None
         envelopes = self._envelopes()
         for i, layer in enumerate(self._layers):
-            final = layer[-1].subgoal
-            if above is not None and final != above.subgoal:
-                return [*changes, self._popped(i, Change("popped"))]
-            if satisfied(final) is not None:
-                return [*changes, self._popped(i, Change("popped"))]
             choice = self._last_applicable(i, envelopes[i], satisfied, refused, changes)
             if choice is None:
                 lost = sorted({f for step in layer for f in false_in(step.preimage)}, key=str)
@@ -104,7 +99,6 @@ class PlanStack:
                 self._chosen[i] = choice
                 self._cut(i + 1)
                 return changes
-            above = layer[choice]
         return changes
 
     def _last_applicable(
@@ -121,16 +115,32 @@ class PlanStack:
                 if binding is None:
                     continue
                 if binding:
-                    steps = self._layers[i][j:]
-                    bound = [_bound(step, binding) for step in steps]
-                    useless = [old for old, new in zip(steps, bound, strict=True) if refused(new.instance, new.level)]
+                    useless = self._bind([*self._chosen[:i], j], binding, refused)
                     if useless:
-                        return Change("refused", tuple(step.instance.called for step in useless), tuple(useless))
-                    self._layers[i][j:] = bound
-                    self._cut(i + 1)
+                        return Change("refused", tuple(step.instance.called for step in useless), useless)
                     changes.append(Change("bind_skolem"))
                 return j
         return None
+
+    def _bind(
+        self, starts: Sequence[int], binding: Binding, refused: Callable[[Instance, int], bool]
+    ) -> tuple[Step, ...]:
+        """Replace Skolem constants in the upper layers, in each from one step on, and pop the layers below.
+
+        A layer is a plan for a step of the one above, and remains one, since both are bound alike.
+
+        Returns:
+            The steps that could not be used any more; if there are any, nothing is replaced.
+        """
+        old = [layer[start:] for layer, start in zip(self._layers, starts, strict=False)]
+        new = [[_bound(step, binding) for step in steps] for steps in old]
+        pairs = zip(itertools.chain(*old), itertools.chain(*new), strict=True)
+        useless = tuple(before for before, after in pairs if before != after and refused(after.instance, after.level))
+        if not useless:
+            self._cut(len(starts))
+            for layer, start, steps in zip(self._layers, starts, new, strict=True):
+                layer[start:] = steps
+        return useless
 
     def _envelopes(self) -> list[list[list[Subgoal]]]:
         """Return per layer and step the conjunctions in any of which the step may go on.

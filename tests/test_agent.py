@@ -132,7 +132,7 @@ def test_plans_that_change_without_end_end_the_run(rulebook: Rulebook, monkeypat
     end = play.turns[-1].end
     assert end is not None
     assert end.status == "limit_reached"
-    assert "limits.expansions" in end.reason
+    assert "limits.plan_changes" in end.reason
 
 
 def test_a_goal_that_is_believed_already_needs_no_action(rulebook: Rulebook) -> None:

@@ -145,12 +145,13 @@ def test_a_threshold_that_stood_in_the_way_is_named_with_the_value_that_would_no
     assert explained(traced("sim1_green", f"{bound}={value}"), 0).action
 
 
-@pytest.mark.parametrize(("override", "kind"), [("limits.steps=2", "steps"), ("limits.expansions=1", "expansions")])
-def test_a_limit_that_ended_the_run_is_named(override: str, kind: str) -> None:
+@pytest.mark.parametrize("override", ["limits.steps=2", "limits.expansions=1", "limits.plan_changes=1"])
+def test_a_limit_that_ended_the_run_is_named(override: str) -> None:
+    limit = override.partition("=")[0]
     found = explained(traced("sim1_green", override), None)
     assert found.ending is not None
-    remedy = next(r for r in found.ending.remedies if r.kind == kind)
-    assert remedy.change.startswith(override.partition("=")[0])
+    remedy = next(r for r in found.ending.remedies if f"limits.{r.kind}" == limit)
+    assert remedy.change.startswith(limit)
 
 
 def test_the_last_decision_of_a_run_that_went_well_names_the_object_that_is_meant() -> None:

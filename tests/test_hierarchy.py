@@ -82,7 +82,7 @@ def test_work_in_progress_does_not_drop_the_plan_it_serves() -> None:
     assert len(stack) == 2
 
 
-def test_a_finished_layer_is_popped_and_the_plan_above_goes_on() -> None:
+def test_a_finished_layer_is_dropped_and_the_plan_above_goes_on() -> None:
     stack = PlanStack()
     stack.push(TWO)
     stack.push([step("look", ["far"], ["near"], level=1)])
@@ -115,6 +115,22 @@ def test_a_placeholder_is_bound_to_the_anchor_that_satisfies_the_whole_conjuncti
     assert current is not None
     assert str(current.instance.step) == "place(o2)"
     assert current.subgoal == terms("on(o2)")
+
+
+def test_a_placeholder_found_while_a_step_is_refined_is_bound_in_the_plan_above_too() -> None:
+    stack = PlanStack()
+    stack.push([step("find", ["region"], ["sure(sk(o))"]), step("place(sk(o))", ["sure(sk(o))"], ["on(sk(o))"])])
+    seen = step("look(sk(o))", ["likely(sk(o))"], ["sure(sk(o))"], level=1)
+    stack.push([step("search", ["region"], ["likely(sk(o))"]), seen])
+    world = World("region", "likely(o2)", anchors=("o1", "o2"))
+    assert causes(stack, world) == ["bind_skolem", "skipped_forward"]
+    layers, chosen = stack.steps()
+    assert [[str(s.instance.step) for s in layer] for layer in layers] == [
+        ["find", "place(o2)"],
+        ["search", "look(o2)"],
+    ]
+    assert chosen == (0, 1)
+    assert causes(stack, world) == []
 
 
 def test_the_message_shows_layers_levels_and_the_chosen_steps() -> None:

@@ -122,7 +122,7 @@ def test_the_stack_has_a_line_per_layer_with_the_chosen_step_marked() -> None:
 
 def test_dropped_plans_say_which_fluents_became_false() -> None:
     assert drop_text([PLAN]) == "preimage lost: B(den(e1,sodaE), .900)"
-    assert drop_text([PLAN.model_copy(update={"cause": "popped"})]) == ""
+    assert drop_text([PLAN.model_copy(update={"cause": "fell_back"})]) == ""
 
 
 def test_a_line_per_executed_action_goes_to_standard_error(capsys: pytest.CaptureFixture[str]) -> None:

@@ -32,7 +32,7 @@ class Drop:
     """A plan that was given up.
 
     Attributes:
-        cause: `preimage_lost`, `popped` or `refused`, as the trace has it.
+        cause: `preimage_lost` or `refused`, as the trace has it.
         layer: Its layer of the stack; the layers below went with it.
         steps: Its steps; empty if it was made and given up at this decision.
         lost: The steps, each with what speaks against it.
@@ -65,17 +65,16 @@ def drops(course: Course, now: Mapping[str, Truth], before: Mapping[str, Truth])
     for plan in course.found.all_of(Plan):
         kept = len(plan.layers)
         layer = left[kept] if kept < len(left) else ()
-        if plan.cause == "preimage_lost" or (plan.cause == "popped" and layer):
-            found.append(_dropped(course, plan.cause, kept, layer, now, before))
+        if plan.cause == "preimage_lost":
+            found.append(_lost_plan(course, kept, layer, now, before))
         elif plan.cause == "refused":
             found.append(Drop("refused", 0, (), refused=plan.false_fluents))
         del left[kept:]
     return tuple(found)
 
 
-def _dropped(
+def _lost_plan(
     course: Course,
-    cause: str,
     at: int,
     layer: Sequence[PlanStep],
     now: Mapping[str, Truth],
@@ -83,11 +82,11 @@ def _dropped(
 ) -> Drop:
     steps = tuple(step.op for step in layer)
     lost = tuple(_lost(step.preimage, name, now, before) for step, name in zip(layer, steps, strict=True))
-    lost = tuple(each for each in lost if each.fluents) if cause == "preimage_lost" else ()
+    lost = tuple(each for each in lost if each.fluents)
     about = {name for each in lost for found in each.fluents for name in mentioned(parse_term(found.fluent))}
     last = course.before
     return Drop(
-        cause=cause,
+        cause="preimage_lost",
         layer=at,
         steps=steps,
         lost=lost,

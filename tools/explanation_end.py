@@ -20,7 +20,7 @@ class Remedy:
     """Something that stood in the way, and what would remove it.
 
     Attributes:
-        kind: `goal`, `property`, `threshold`, `expansions`, `steps`, `repeats`, `geometry` or `region`.
+        kind: `goal`, `property`, `threshold`, `expansions`, `plan_changes`, `steps`, `repeats`, `geometry` or `region`.
         finding: What stood in the way.
         change: What would have to be otherwise.
     """
@@ -74,8 +74,12 @@ def _properties(insight: Insight, choice: Choice) -> Iterator[Remedy]:
 
 def _limits(insight: Insight, end: RunEnd) -> Iterator[Remedy]:
     limits, memory = insight.given.limits, insight.recorded.memory
-    if end.status == "limit_reached":
+    changes = len(insight.recorded.all_of(Plan))
+    if end.steps >= limits.steps:
         yield Remedy("steps", f"{end.steps} actions were executed", f"limits.steps above {limits.steps}")
+    if changes > limits.plan_changes:
+        finding = f"plans changed {changes} times without an action"
+        yield Remedy("plan_changes", finding, f"limits.plan_changes above {limits.plan_changes}")
     stopped = [d for d in insight.recorded.all_of(Decision) if not d.plan and d.expansions >= limits.expansions]
     if stopped:
         finding = f"{len(stopped)} of the last searches stopped at {limits.expansions} expansions without a plan"

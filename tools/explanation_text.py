@@ -99,8 +99,7 @@ def drop_tree(drops: Iterable[Drop]) -> Tree:
         if drop.cause == "refused":
             tree.add(f"found impossible in the believed world: {', '.join(drop.refused)}")
             continue
-        what = "its goal holds or is not asked any more" if drop.cause == "popped" else "no step of it can be taken"
-        node = tree.add(f"plan {drop.layer + 1} ({'; '.join(drop.steps)}): {what}")
+        node = tree.add(f"plan {drop.layer + 1} ({'; '.join(drop.steps)}): no step of it can be taken")
         if drop.after:
             seen = node.add(f"after {drop.after}: {drop.sensed}")
             for change in drop.changed:

@@ -22,7 +22,7 @@ def test_if_every_assumed_observation_happens_one_plan_for_the_goal_is_made() ->
     assert play.turns[-1].end is not None
     assert play.turns[-1].end.status == "goal_achieved"
     assert len(plans(play, "start")) == 1
-    assert {plan.cause for plan in plans(play)} <= {"start", "refine", "skipped_forward", "fell_back", "popped", "done"}
+    assert {plan.cause for plan in plans(play)} <= {"start", "refine", "skipped_forward", "fell_back", "done"}
 
 
 def test_what_is_executed_is_the_step_that_the_stack_has_chosen() -> None:
