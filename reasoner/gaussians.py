@@ -70,10 +70,10 @@ def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
     """
     if not isinstance(sigma, Compound):
         return ANY
-    index = [i for i, _ in _axes(sigma)]
-    bound = np.abs(observation[np.ix_(index, index)]).sum(axis=1)
+    axes, rows = _axes(sigma), observation.tolist()
     needed: dict[int, Term] = {}
-    for (axis, sd), sensor in zip(_axes(sigma), bound.tolist(), strict=True):
+    for axis, sd in axes:
+        sensor = sum(abs(rows[axis][other]) for other, _ in axes)
         after = sd**2
         needed[axis] = ANY if sensor <= after else math.floor(_UNIT * math.sqrt(after * sensor / (sensor - after)))
     before = tuple(needed.get(axis, ANY) for axis in range(len(sigma.args)))

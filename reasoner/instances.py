@@ -1,5 +1,6 @@
 """Rule instances: what the rules offer to achieve one fluent, read from one answer of clingo."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -85,10 +86,8 @@ class _Parts:
 
 def read_instances(atoms: Mapping[str, Iterable[tuple[Term, ...]]]) -> tuple[Instance, ...]:
     """Return the instances of one answer, rejected ones too, sorted by text."""
-    parts: dict[Term, _Parts] = {}
-
-    def of(step: Term) -> _Parts:
-        return parts.setdefault(step, _Parts())
+    parts: defaultdict[Term, _Parts] = defaultdict(_Parts)
+    of = parts.__getitem__
 
     for (step,) in atoms.get("candidate", ()):
         of(step)

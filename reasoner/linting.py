@@ -18,7 +18,7 @@ from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.reasoner.validate import OUTPUT, RuleFile
-from skolem.traces.errors import Fault
+from skolem.traces.errors import Fault, InputError
 
 CODES: Final = {  # what may be allowed -> what it is about
     "unreachable": "a precondition that no operator and no inference rule brings about",
@@ -28,7 +28,7 @@ CODES: Final = {  # what may be allowed -> what it is about
     "level_gap": "preconditions whose levels leave one out",
     "unobservable": "a property for which no operator yields the quantity",
 }
-NOT_A_FLUENT: Final = "not_a_fluent"  # never allowed: the run would stop at it
+NOT_A_FLUENT: Final = "not_a_fluent"  # never allowed: a run would stop at it
 _ALLOW: Final = re.compile(r"%\s*allow (?P<code>\w+): (?P<reason>\S.*)")
 _LEFT_OUT: Final = ("denote",)  # about descriptions, not about steps
 
@@ -52,13 +52,29 @@ class Finding:
 
 def findings(rulebook: Rulebook) -> list[Finding]:
     """Return everything to be said about rules that passed validation, sorted by place, what is allowed too."""
-    files = [(file, found) for file, found in rulebook.sources if file.name not in _LEFT_OUT]
+    files = _files(rulebook)
     shapes = shapes_of(files)
-    strange = list(_strangers(shapes, files))
-    sources = [source for source, _, _ in strange]
+    wrong = list(_wrong(shapes, files))
+    sources = [source for source, _, _ in wrong]
     doubtful = [*_unreachable(shapes), *_unused(shapes), *_steps(shapes), *_unobservable(shapes, files, rulebook)]
-    found = strange + [finding for finding in doubtful if finding[0] not in sources]
+    found = wrong + [finding for finding in doubtful if finding[0] not in sources]
     return sorted({Finding(source.fault(message), code, _allowance(source, code)) for source, code, message in found})
+
+
+def refuse_wrong(rulebook: Rulebook) -> None:
+    """Refuse rules at which a run would stop: about fluents that nothing answers, or commands nobody carries out.
+
+    Raises:
+        InputError: With each of these faults.
+    """
+    files = _files(rulebook)
+    faults = sorted({source.fault(message) for source, _, message in _wrong(shapes_of(files), files)})
+    if faults:
+        raise InputError(faults)
+
+
+def _files(rulebook: Rulebook) -> Files:
+    return [(file, found) for file, found in rulebook.sources if file.name not in _LEFT_OUT]
 
 
 _Found = Iterator[tuple[Source, str, str]]
@@ -76,7 +92,21 @@ def _allowance(source: Source, code: str) -> str:
     return ""
 
 
-# ---------------------------------------------------------------- fluents
+# ---------------------------------------------------------------- fluents and commands
+
+
+def _wrong(shapes: Shapes, files: Files) -> _Found:
+    """What would stop a run."""
+    yield from _strangers(shapes, files)
+    for (_, command), source in _all(shapes, "executes", 2):
+        if command != ANY and not _known_commands(command):
+            names = ", ".join(sorted(_functor(sorted_pattern(c)) for c in COMMANDS))
+            yield source, NOT_A_FLUENT, f"the robot cannot carry out {title(command)}; there are: {names}"
+
+
+def _known_commands(command: Term) -> list[Term]:
+    """Return the patterns of the commands that have the name of one."""
+    return [known for known in map(sorted_pattern, COMMANDS) if _functor(known) == _functor(command)]
 
 
 def _strangers(shapes: Shapes, files: Files) -> _Found:
@@ -187,14 +217,10 @@ def _without_krd(shapes: Shapes) -> _Found:
     reported = set()
     for (step, command), source in _all(shapes, "executes", 2):
         name = _functor(step)
-        about = [c for c in map(sorted_pattern, COMMANDS) if _functor(c) == _functor(command)]
-        on_object = any(isinstance(c, Compound) and "object" in c.args for c in about)
+        on_object = any(isinstance(c, Compound) and "object" in c.args for c in _known_commands(command))
         if on_object and name not in sure and name not in reported:
             reported.add(name)
             yield source, "without_krd", f"{name} acts on an object but has no precond(S, krd(O), 0)"
-        if not about and command != ANY:
-            names = ", ".join(sorted(_functor(sorted_pattern(c)) for c in COMMANDS))
-            yield source, NOT_A_FLUENT, f"the robot cannot carry out {title(command)}; there are: {names}"
 
 
 # ---------------------------------------------------------------- words

@@ -15,7 +15,7 @@ from clingo.ast import AST, ASTType
 
 from skolem.reasoner.questions import CLINGO_OPTIONS, Question, Questions
 from skolem.reasoner.terms import Compound, Term, from_symbol, to_symbol
-from skolem.reasoner.validate import INPUT, RuleFile, check, explain, parse, signatures
+from skolem.reasoner.validate import INPUT, OUTPUT, RuleFile, check, explain, parse, signatures
 from skolem.reasoner.vocabulary import WORD_FACTS, Place, Vocabulary, read_vocabulary
 from skolem.traces.errors import Fault, InputError, InternalError
 
@@ -187,22 +187,22 @@ class Asked:
 
     def __init__(self, queries: object) -> None:
         self._queries = queries
-        self._memo: dict[tuple[str, tuple[clingo.Symbol, ...]], Symbols] = {}
-        self._terms: dict[clingo.Symbol, Term] = {}
+        self._memo: dict[str, dict[tuple[clingo.Symbol, ...], Symbols]] = {}
 
     def __getattr__(self, name: str) -> Callable[..., Symbols]:
+        memo = self._memo.setdefault(name, {})
+
         def ask(*symbols: clingo.Symbol) -> Symbols:
-            if (name, symbols) not in self._memo:
-                self._memo[name, symbols] = self._answer(name, symbols)
-            return self._memo[name, symbols]
+            found = memo.get(symbols)
+            if found is None:
+                found = memo[symbols] = self._answer(name, symbols)
+            return found
 
         return ask
 
     def _answer(self, name: str, symbols: Sequence[clingo.Symbol]) -> Symbols:
         try:
-            found: Term | list[Term] = getattr(self._queries, name)(
-                *(from_symbol(symbol, self._terms) for symbol in symbols)
-            )
+            found: Term | list[Term] = getattr(self._queries, name)(*map(from_symbol, symbols))
             return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
         except Exception as error:
             text = f"@{name}({', '.join(map(str, symbols))})"
@@ -272,16 +272,18 @@ def _vocabulary(sources: Sequence[RuleFile], statements: Mapping[str, Sequence[A
 
 
 def _places(sources: Sequence[RuleFile], statements: Mapping[str, Sequence[AST]]) -> dict[str, Place]:
-    """Return where each word fact stands, by its text, and where each predicate is derived first."""
+    """Return where each word fact stands, by its text, and where each predicate of word facts is derived first."""
     found: dict[str, Place] = {}
     for file in sources:
         for statement in statements[file.name]:
-            if statement.ast_type is ASTType.Rule:
+            if statement.ast_type is not ASTType.Rule:
+                continue
+            head = statement.head
+            for name, arity in OUTPUT.intersection(signatures(head.atom)):
                 begin = statement.location.begin
                 place = Place(file.title, begin.line, begin.column, file.own)
-                found.setdefault(str(statement.head).replace(" ", ""), place)
-                for name, arity in signatures(statement.head.atom):
-                    found.setdefault(f"{name}/{arity}", place)
+                found.setdefault(str(head).replace(" ", ""), place)
+                found.setdefault(f"{name}/{arity}", place)
     return found
 
 

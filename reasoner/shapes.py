@@ -1,9 +1,10 @@
 """Which rules can take part in answering a question: an evaluation of the rules over shapes instead of terms.
 
-The shape of a term keeps its functors and forgets constants and numbers: of `goal(b(on(o2,desk),105361))` it is
-`goal(b(on(any,any),any))`. A rule fires over shapes whenever it can fire over terms: what a rule asks beyond the shape
-of its positive literals (negation, comparisons, conditions, answers of queries) counts as true. So a rule that does
-not fire over the shape of a question cannot fire in answering it, and is left out without changing the answer.
+The shape of a term keeps its functors and forgets which constant or number stands where: that of
+`goal(b(on(o2,desk),105361))` is `goal(b(on(leaf,leaf),leaf))`; where nothing is known, it is `any`. A rule fires over
+shapes whenever it can fire over terms: what a rule asks beyond the shape of its positive literals (negation,
+comparisons, conditions, answers of queries) counts as true. So a rule that does not fire over the shape of a question
+cannot fire in answering it, and is left out without changing the answer.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,12 +16,14 @@ from clingo import SymbolType
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
 from skolem.reasoner.terms import ANY, Compound, Term
+from skolem.reasoner.validate import WITHOUT_PREDICATES, children, signatures
 
 Signature = tuple[str, int]
 Atom = tuple[Term, ...]  # the arguments of an atom, as shapes
 
 _DEEPEST: Final = 6  # shapes are not told apart below
 _MOST_SHAPES: Final = 64  # of one predicate; with more they are not told apart at all
+_LEAF: Final = "leaf"  # the shape of constants and numbers
 _VARIABLE: Final = "$"  # variables of a rule are compounds of this name
 
 
@@ -55,8 +58,10 @@ def shape(term: Term) -> Term:
 
 
 def _cut(term: Term, depth: int) -> Term:
-    if not isinstance(term, Compound) or depth == 0:
+    if term == ANY or depth == 0:
         return ANY
+    if not isinstance(term, Compound):
+        return _LEAF
     return Compound(term.name, tuple(_cut(arg, depth - 1) for arg in term.args))
 
 
@@ -67,26 +72,29 @@ def shaped(rule: AST) -> Shaped:
     """Return a rule (one atom as its head) as far as shapes go."""
     body: list[tuple[Literal, ...]] = []
     equal: list[tuple[Term, Term]] = []
+    uses: set[Signature] = set()
     for element in rule.body:
+        uses |= predicates(element)
         if element.ast_type is not ASTType.Literal or element.sign != Sign.NoSign:
             continue
-        if element.atom.ast_type is ASTType.SymbolicAtom:
-            body.append(_literals(element.atom))
-        elif element.atom.ast_type is ASTType.Comparison and len(element.atom.guards) == 1:
-            guard = element.atom.guards[0]
-            if guard.comparison == ComparisonOperator.Equal:
-                equal.append((_pattern(element.atom.term), _pattern(guard.term)))
-    uses = frozenset(signature for element in rule.body for signature in predicates(element))
-    return Shaped(_literals(rule.head.atom), tuple(body), tuple(equal), uses)
+        atom = element.atom
+        kind = atom.ast_type
+        if kind is ASTType.SymbolicAtom:
+            body.append(_literals(atom))
+        elif kind is ASTType.Comparison and len(guards := atom.guards) == 1:
+            if guards[0].comparison == ComparisonOperator.Equal:
+                equal.append((_pattern(atom.term), _pattern(guards[0].term)))
+    return Shaped(_literals(rule.head.atom), tuple(body), tuple(equal), frozenset(uses))
 
 
 def predicates(node: AST) -> set[Signature]:
     """Return every predicate that occurs in a part of a rule."""
-    if node.ast_type is ASTType.SymbolicAtom:
-        return {literal.signature for literal in _literals(node)}
-    children = [getattr(node, key) for key in node.child_keys]
-    flat = [inner for child in children for inner in ([child] if isinstance(child, AST) else child or ())]
-    return {signature for inner in flat for signature in predicates(inner)}
+    kind = node.ast_type
+    if kind is ASTType.SymbolicAtom:
+        return set(signatures(node))
+    if kind in WITHOUT_PREDICATES:
+        return set()
+    return {signature for inner in children(node, kind) for signature in predicates(inner)}
 
 
 def _literals(atom: AST) -> tuple[Literal, ...]:
@@ -224,10 +232,12 @@ def _matched(pattern: Term, term: Term, binding: dict[str, Term]) -> dict[str, T
 
 def _met(a: Term, b: Term) -> Term | None:
     """Return the shape that has all that two shapes say; None if they contradict each other."""
-    if a == ANY or not isinstance(a, Compound):
+    if a == ANY:
         return b
-    if b == ANY or not isinstance(b, Compound):
+    if b == ANY or a == b:
         return a
+    if not isinstance(a, Compound) or not isinstance(b, Compound):
+        return None
     if a.name != b.name or len(a.args) != len(b.args):
         return None
     args = [_met(x, y) for x, y in zip(a.args, b.args, strict=True)]

@@ -5,8 +5,9 @@ text of answer set programming, `b(den(e1,var(o)),105361)`.
 """
 
 import math
+import re
 from collections.abc import Mapping
-from functools import total_ordering
+from functools import lru_cache, total_ordering
 from typing import Final
 
 import clingo
@@ -14,6 +15,9 @@ import clingo
 ANY: Final = "any"  # in a pattern, stands for every term
 MICRO: Final = 1_000_000
 CAP_MICRONATS: Final = 50 * MICRO  # p = 2e-22; 42 such costs still sum within clingo's 32 bits
+_MEMORY: Final = 1 << 14  # terms whose symbol, and texts whose term, are remembered
+_PART: Final = re.compile(r"([^(),]*)([(),]|$)")  # of the text of a symbol: a name or nothing, and what ends it
+_FOREIGN: Final = re.compile(r'["#]|-(?!\d)')  # what the text of a symbol has if part of it is not a term
 
 
 @total_ordering
@@ -34,8 +38,11 @@ class Compound:
 
     def __init__(self, name: str, args: tuple["Term", ...]) -> None:
         text = f"{name}({','.join(map(str, args))}{',' if not name and len(args) == 1 else ''})"
-        for slot, value in (("name", name), ("args", args), ("_text", text), ("_hash", hash(text))):
-            object.__setattr__(self, slot, value)
+        set_once = object.__setattr__
+        set_once(self, "name", name)
+        set_once(self, "args", args)
+        set_once(self, "_text", text)
+        set_once(self, "_hash", hash(text))
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a term is immutable; cannot set {name!r}")
@@ -67,6 +74,7 @@ def compound(name: str, *args: Term) -> Compound:
     return Compound(name, args)
 
 
+@lru_cache(_MEMORY)
 def to_symbol(term: Term) -> clingo.Symbol:
     """Return the clingo symbol of a term.
 
@@ -80,31 +88,40 @@ def to_symbol(term: Term) -> clingo.Symbol:
     return clingo.Function(term.name, [to_symbol(argument) for argument in term.args])
 
 
-def from_symbol(symbol: clingo.Symbol, memo: dict[clingo.Symbol, Term] | None = None) -> Term:
+@lru_cache(_MEMORY)
+def from_symbol(symbol: clingo.Symbol) -> Term:
     """Return the term of a clingo symbol.
-
-    Args:
-        symbol: What the rules made.
-        memo: Where terms of symbols read before are kept, if they are.
 
     Raises:
         ValueError: For strings, `#inf`, `#sup` and classically negated functions, which the rules do not use.
     """
-    if memo is None:
-        return _from_symbol(symbol, {})
-    if symbol not in memo:
-        memo[symbol] = _from_symbol(symbol, memo)
-    return memo[symbol]
+    return read_term(str(symbol))
 
 
-def _from_symbol(symbol: clingo.Symbol, memo: dict[clingo.Symbol, Term]) -> Term:
-    if symbol.type is clingo.SymbolType.Number:
-        return symbol.number
-    if symbol.type is not clingo.SymbolType.Function or not symbol.positive:
-        raise ValueError(f"{symbol} is not a term of the rules: expected an integer, a constant, f(..) or a tuple")
-    if symbol.name and not symbol.arguments:
-        return symbol.name
-    return Compound(symbol.name, tuple(from_symbol(argument, memo) for argument in symbol.arguments))
+@lru_cache(_MEMORY)
+def read_term(text: str) -> Term:
+    """Return the term of the symbol that clingo prints as `text`: reading it is cheaper than asking for each part.
+
+    Raises:
+        ValueError: As `from_symbol`.
+    """
+    if _FOREIGN.search(text) or text.count("(") != text.count(")"):
+        raise ValueError(f"{text} is not a term of the rules: expected an integer, a constant, f(..) or a tuple")
+    around: list[tuple[str, list[Term]]] = []  # compounds that are not closed yet: name and arguments so far
+    args: list[Term] = []
+    name = ""
+    for word, end in _PART.findall(text):
+        if end == "(":
+            around.append((name, args))
+            name, args = word, []
+            continue
+        if word:
+            args.append(word if word[0] not in "-0123456789" else int(word))
+        if end == ")":
+            closed = Compound(name, tuple(args))
+            name, args = around.pop()
+            args.append(closed)
+    return args[0]
 
 
 def parse_term(text: str) -> Term:

@@ -41,6 +41,28 @@ _NAMES: Final = {
     ASTType.ProjectAtom: "#project",
     ASTType.ProjectSignature: "#project",
 }
+_PARTS: Final[dict[ASTType, tuple[str, ...]]] = {  # of frequent nodes; for others clingo is asked, which takes longer
+    ASTType.Rule: ("head", "body"),
+    ASTType.Literal: ("atom",),
+    ASTType.SymbolicAtom: ("symbol",),
+    ASTType.Function: ("arguments",),
+    ASTType.SymbolicTerm: (),
+    ASTType.Variable: (),
+}
+WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and the terms that stand where predicates may stand too
+    {
+        ASTType.Comparison,
+        ASTType.Guard,
+        ASTType.Function,
+        ASTType.Pool,
+        ASTType.Interval,
+        ASTType.BinaryOperation,
+        ASTType.UnaryOperation,
+        ASTType.SymbolicTerm,
+        ASTType.Variable,
+    }
+)
+_PERHAPS_NUMBERS: Final = frozenset({ASTType.SymbolicTerm, ASTType.Function, ASTType.BinaryOperation})
 _SKIPPED_OR_TOKEN: Final = re.compile(
     r"""%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\])*"|(?P<include>\#include\b)|(?<![\w'])(?P<number>[1-9]\d*)\b""", re.DOTALL
 )
@@ -147,7 +169,10 @@ def check(files: Sequence[tuple[RuleFile, Sequence[AST]]], queries_type: type) -
 def signatures(atom: AST) -> list[Signature]:
     """Return the predicates of a symbolic atom: one, or several if it is a pool."""
     symbol = atom.symbol
-    terms = symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]
+    kind = symbol.ast_type
+    if kind is ASTType.Function:
+        return [(symbol.name, len(symbol.arguments))]
+    terms = symbol.arguments if kind is ASTType.Pool else ()
     return [(term.name, len(term.arguments)) for term in terms if term.ast_type is ASTType.Function]
 
 
@@ -194,8 +219,7 @@ class _Seen:
 
     def read(self, file: RuleFile, statement: AST) -> None:
         def at(node: Any) -> Callable[[str], Fault]:
-            begin = node.location.begin
-            return lambda message: file.fault(begin.line, begin.column, message)
+            return lambda message: file.fault(node.location.begin.line, node.location.begin.column, message)
 
         kind = statement.ast_type
         if kind is ASTType.Program and statement.name == "base" and not statement.parameters:
@@ -203,12 +227,12 @@ class _Seen:
         if kind not in _ALLOWED:
             self.faults.append(at(statement)(f"{_NAMES.get(kind, str(kind))} is not allowed in a rule file"))
             return
-        for node in _descend(statement):
-            if node.ast_type is ASTType.Function and node.external:
+        for node, its_kind in _descend(statement):
+            if its_kind is ASTType.Function and node.external:
                 self.calls.append((node.name, len(node.arguments), at(node)))
-            if node.ast_type is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
+            if its_kind is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
                 self.faults.append(at(node)(f"{node} is a text; rules are written in constants"))
-            value = constant_value(node, self.constants)
+            value = constant_value(node, self.constants) if its_kind in _PERHAPS_NUMBERS else None
             if value is not None and abs(value) > GREATEST:
                 self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
         if kind is ASTType.Defined:
@@ -236,36 +260,44 @@ class _Seen:
 
 def _refusal(head: AST) -> str:
     """Return why a head is not allowed; nothing if it is one atom."""
-    if head.ast_type is ASTType.Disjunction:
+    kind = head.ast_type
+    if kind is ASTType.Disjunction:
         return "a rule has one atom as its head: no disjunction, no condition"
-    if head.ast_type is not ASTType.Literal:
+    if kind is not ASTType.Literal:
         return "a rule has one atom as its head: no choice, no aggregate"
-    if head.atom.ast_type is ASTType.BooleanConstant:
+    atom = head.atom
+    if atom.ast_type is ASTType.BooleanConstant:
         return "constraints are not allowed: a rule file excludes nothing; derive rejected(S, Reason)"
-    if head.atom.ast_type is not ASTType.SymbolicAtom or head.sign or not signatures(head.atom):
+    if atom.ast_type is not ASTType.SymbolicAtom or head.sign or not signatures(atom):
         return "a rule has one atom as its head: no comparison, no 'not', no '-'"
     return ""
 
 
-def _descend(node: AST) -> Iterator[AST]:
-    yield node
-    for key in node.child_keys:
+def _descend(node: AST) -> Iterator[tuple[AST, ASTType]]:
+    """Yield a node and everything inside it, each with its type."""
+    kind = node.ast_type
+    yield node, kind
+    for inner in children(node, kind):
+        yield from _descend(inner)
+
+
+def children(node: AST, kind: ASTType) -> Iterator[AST]:
+    """Yield the nodes that a node of this type is made of."""
+    for key in _PARTS[kind] if kind in _PARTS else node.child_keys:
         child = getattr(node, key)
-        for inner in [child] if isinstance(child, AST) else child or ():
-            yield from _descend(inner)
+        yield from [child] if isinstance(child, AST) else child or ()
 
 
 def _uses(element: AST, at: Callable[[Any], Callable[[str], Fault]], strict: bool) -> Iterator[_Use]:
     """Yield the predicates in one part of a body."""
-    if element.ast_type is ASTType.SymbolicAtom:
+    kind = element.ast_type
+    if kind is ASTType.SymbolicAtom:
         for signature in signatures(element):
             yield _Use(signature, at(element.symbol), strict)
-        return
-    strict = strict or element.ast_type in (ASTType.BodyAggregate, ASTType.Aggregate, ASTType.ConditionalLiteral)
-    strict = strict or (element.ast_type is ASTType.Literal and bool(element.sign))
-    for key in element.child_keys:
-        child = getattr(element, key)
-        for inner in [child] if isinstance(child, AST) else child or ():
+    elif kind not in WITHOUT_PREDICATES:
+        strict = strict or kind in (ASTType.BodyAggregate, ASTType.Aggregate, ASTType.ConditionalLiteral)
+        strict = strict or (kind is ASTType.Literal and bool(element.sign))
+        for inner in children(element, kind):
             yield from _uses(inner, at, strict)
 
 

@@ -7,11 +7,12 @@ import pytest
 from minds import Region, TableBelief, TableGeometry, Thing
 
 from skolem.reasoner.fluent_kinds import ACTIVITIES, FLUENTS
-from skolem.reasoner.linting import CODES, NOT_A_FLUENT, findings
+from skolem.reasoner.linting import CODES, NOT_A_FLUENT, findings, refuse_wrong
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import parse_term
+from skolem.traces.errors import InputError
 
 PUSH = """step(push(O)) :- goal(b(on(O, S), _)), @rigid(S) = 1.
 executes(S, look(O)) :- step(S), S = push(O).
@@ -60,6 +61,23 @@ def test_each_doubtful_thing_is_complained_of_where_it_stands(
 ) -> None:
     found = [(at, kind) for at, kind, said in complaints(tmp_path, text) if message in said]
     assert (found == [] and not code) or (line, code) in found
+
+
+def test_what_would_stop_a_run_is_refused_in_the_words_of_the_complaint(tmp_path: Path) -> None:
+    path = tmp_path / "own.lp"
+    wrong = "precond(S, holdin(O), 0) :- step(S), S = push(O).\nexecutes(S, shove(O)) :- step(S), S = push(O)."
+    path.write_text(PUSH + wrong, encoding="utf-8")
+    rulebook = Rulebook.load(Queries, [path])
+    with pytest.raises(InputError) as refusal:
+        refuse_wrong(rulebook)
+    assert [fault.line for fault in refusal.value.faults] == [5, 6]
+    assert list(refusal.value.faults) == [f.fault for f in findings(rulebook) if f.code == NOT_A_FLUENT]
+
+
+def test_what_is_doubtful_is_not_refused(tmp_path: Path) -> None:
+    path = tmp_path / "own.lp"
+    path.write_text(PUSH + "result(S, held(both, O)) :- step(S), S = push(O).", encoding="utf-8")
+    refuse_wrong(Rulebook.load(Queries, [path]))
 
 
 def test_a_result_that_nothing_needs_is_complained_of(tmp_path: Path) -> None:

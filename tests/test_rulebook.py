@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import RULE_FILES, Rulebook
+from skolem.reasoner.rulebook import RULE_FILES, Asked, Rulebook
 from skolem.reasoner.terms import Term, compound, parse_term
 from skolem.traces.errors import InputError, InternalError
 
@@ -54,6 +54,20 @@ def test_answers_are_grouped_by_predicate_and_sorted(tmp_path: Path) -> None:
     answer = book.solve([parse_term("goal(krd(a))")], None, ["own"])
     assert answer.atoms["far"] == [("a",), ("y",), ("z",)]
     assert answer.atoms["done"] == [()]
+
+
+def test_an_unnamed_variable_means_any_value_also_under_not_and_inside_a_count(tmp_path: Path) -> None:
+    rules = (
+        "h(1, a; 2, b; 2, c). g(2, d). "
+        "some(O) :- goal(krd(O)), h(_, _). none(O) :- goal(krd(O)), not h(_, O). "
+        "n(O, N) :- goal(krd(O)), N = #count { X : h(X, _), not g(X, _) }. "
+        "w(O, N) :- goal(krd(O)), N = #count { X, Y : h(X, Y), not g(_, Y) }. "
+        "#show some/1. #show none/1. #show n/2. #show w/2."
+    )
+    book = own_rules(tmp_path, rules)
+    answers = book.solve_each([(parse_term("goal(krd(a))"),), (parse_term("goal(krd(z))"),)], Asked(None), ["own"])
+    assert answers.atoms[0] == {"some": [("a",)], "n": [("a", 1)], "w": [("a", 3)]}
+    assert answers.atoms[1] == {"some": [("z",)], "none": [("z",)], "n": [("z", 1)], "w": [("z", 3)]}
 
 
 def test_rules_ask_queries_in_terms(tmp_path: Path) -> None:

@@ -53,6 +53,14 @@ def test_every_message_stands_in_the_order_in_which_it_came_about(tmp_path: Path
     assert "/perf" not in topics
 
 
+def test_rules_that_would_stop_a_run_are_refused_before_it(tmp_path: Path) -> None:
+    (tmp_path / "own.lp").write_text("step(wipe(O)) :- goal(b(clean(O), _)).\n", encoding="utf-8")
+    scenario = tmp_path / "wipe.yaml"
+    scenario.write_text(GREEN.read_text(encoding="utf-8") + "\nrules: [own.lp]\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"own.lp:1:1: b\(clean\) is not a fluent"):
+        prepare(scenario, world="symbolic")
+
+
 def test_questions_to_the_geometry_are_recorded_with_their_answers(tmp_path: Path) -> None:
     _, trace = ran(GREEN, tmp_path)
     asked = list(trace.of(Geometry))

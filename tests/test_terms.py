@@ -20,6 +20,7 @@ from skolem.reasoner.terms import (
     nll,
     parse_term,
     prob,
+    read_term,
     substitute,
     to_symbol,
 )
@@ -81,6 +82,12 @@ def test_a_compound_is_taken_apart_by_match() -> None:
 def test_symbols_the_rules_do_not_use_are_refused(symbol: clingo.Symbol) -> None:
     with pytest.raises(ValueError, match="is not a term of the rules"):
         from_symbol(symbol)
+
+
+@pytest.mark.parametrize("text", ['f("")', '"a(b)"', "f(a", "b)", "f(#sup)", "-f(a)", "f(g,-h)"])
+def test_text_of_what_is_no_term_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="is not a term of the rules"):
+        read_term(text)
 
 
 @pytest.mark.parametrize("text", ["p(X)", "p(", ""])

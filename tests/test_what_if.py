@@ -37,6 +37,14 @@ def test_a_comment_changes_nothing() -> None:
     assert not what_if("sim1_green", rules={"look.lp": (RULES / "look.lp").read_bytes() + b"% a remark\n"}).altered
 
 
+def test_rules_that_would_stop_a_run_are_refused_in_every_trace() -> None:
+    run, rulebooks = RecordedRun(recorded("sim1_green")), Rulebooks()
+    changes = changes_of({"own.lp": b"step(wipe(O)) :- goal(b(clean(O), _)).\n"}, [])
+    for _ in range(2):
+        with pytest.raises(InputError, match=r"own.lp:1:1: b\(clean\) is not a fluent"):
+            given_with(run, changes, rulebooks)
+
+
 def test_another_word_changes_whom_the_robot_takes_to_be_meant() -> None:
     """The first object believed green is looked at first; were red called green, another would be."""
     found = what_if("sim1_green", "goal=exists o. B(Den(lambda x. Red(x), o), 0.9) & B(In(o, table1), 0.9)")

@@ -41,7 +41,12 @@ class Rulebooks:
         files = attached | dict(replaced or {})
         key = tuple(sorted(files.items()))
         if key not in self._known:
-            self._known[key] = _read(files)
+            rulebook = _read(files)
+            if replaced:
+                from skolem.reasoner.linting import refuse_wrong  # takes time, and other replays do without
+
+                refuse_wrong(rulebook)
+            self._known[key] = rulebook
         return self._known[key]
 
 

@@ -37,7 +37,7 @@ def check(
 ) -> None:
     """Report every fault and every doubtful thing in rule files, each with its place and a suggestion.
 
-    Exit status: 0 nothing to complain of, 1 warnings only, 2 a fault: such rules are refused, or stop a run.
+    Exit status: 0 nothing to complain of, 1 warnings only, 2 a fault: such rules are refused.
     """
     from skolem.reasoner.linting import NOT_A_FLUENT, findings
 

@@ -14,6 +14,7 @@ from google.protobuf.message import Message as Protobuf
 
 from skolem.reasoner.agent import Turn
 from skolem.reasoner.expressions import Goal
+from skolem.reasoner.linting import refuse_wrong
 from skolem.reasoner.parser import goal_faults, parse_goal
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
@@ -174,9 +175,22 @@ def compose(
         InputError: With every fault found.
     """
     if rulebook is None:
-        rulebook = Rulebook.load(Queries, [rules for rules in document.rules if rules.is_file()])
+        rulebook = rules_of(document)
     scenario, goal = understood(document, rulebook)
     return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, world, images, profile)
+
+
+def rules_of(document: Document) -> Rulebook:
+    """Return the rules that ship together with the scenario's own, if a run can follow them.
+
+    Raises:
+        InputError: With every fault in them.
+    """
+    own = [rules for rules in document.rules if rules.is_file()]
+    rulebook = Rulebook.load(Queries, own)
+    if own:  # of those that ship a test says that they are right
+        refuse_wrong(rulebook)
+    return rulebook
 
 
 def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
