@@ -6,7 +6,6 @@ import signal
 import sys
 import traceback
 from importlib import import_module
-from importlib.metadata import version
 from typing import Annotated, Any
 
 import typer
@@ -99,6 +98,8 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
+        from importlib.metadata import version
+
         print(f"skolem {version('skolem')}")
         raise typer.Exit
 
@@ -117,6 +118,7 @@ def skolem(
 
 def main() -> int:
     """Run the command line and return the exit status."""
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # what others installed has no say, and takes time
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads are slower on small matrices, and not repeatable
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C, the trace is closed
     try:

@@ -14,7 +14,6 @@ from typing import Never
 from mcap.records import Attachment, Channel, Chunk, ChunkIndex, DataEnd, Footer, Metadata, Schema
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE
-from mcap.writer import MCAP0_MAGIC
 from pydantic import ValidationError
 
 from skolem.traces.clock import tick_at, time_ns
@@ -22,7 +21,7 @@ from skolem.traces.codec import ContentHash, HashChain, counter_of, decode, enco
 from skolem.traces.container import CRC_SIZE, DamageError, Piece, contents, pieces
 from skolem.traces.errors import TraceError
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, RunStart
-from skolem.traces.reader import opened
+from skolem.traces.reader import MAGIC, opened
 
 RECOVER = "`skolem recover {path} -o GOOD.mcap` saves every message that is whole"
 AGAIN = "take the file from where it was recorded; nothing can tell what it said there"
@@ -108,7 +107,7 @@ def _first_flaw(path: Path, examiner: "_Examiner") -> Flaw | None:
             for piece in pieces(file):
                 seal.take(piece)
                 examiner.take(piece)
-            if file.read(MAGIC_SIZE + 1) != MCAP0_MAGIC:
+            if file.read(MAGIC_SIZE + 1) != MAGIC:
                 raise DamageError(file.tell(), "the file does not end as an MCAP file")
         examiner.end()
     except _UnsoundError as unsound:
@@ -132,7 +131,7 @@ class _Seal:
     """The checksums of the whole file, and the index at its end."""
 
     def __init__(self) -> None:
-        self._crc = zlib.crc32(MCAP0_MAGIC)
+        self._crc = zlib.crc32(MAGIC)
         self._chunks: set[int] = set()
         self._indexed: set[int] = set()
 

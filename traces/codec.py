@@ -12,7 +12,6 @@ from typing import Any
 
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as Protobuf
-from mcap_protobuf.schema import build_file_descriptor_set
 
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, PERF, PROTOBUF_TOPICS, TRUTH, Message
@@ -66,6 +65,8 @@ def schema_bytes(topic: str) -> bytes:
     if topic in JSON_TOPICS:
         schema = JSON_TOPICS[topic][0].model_json_schema()
         return json.dumps(schema, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
+    from mcap_protobuf.schema import build_file_descriptor_set  # most of protobuf, which a replay does without
+
     return bytes(build_file_descriptor_set(protobuf_class(topic)).SerializeToString(deterministic=True))
 
 

@@ -14,11 +14,10 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import breakup_chunk
-from mcap.writer import MCAP0_MAGIC
 
 from skolem.traces.clock import tick_at
 from skolem.traces.errors import TraceError
-from skolem.traces.reader import Recorded
+from skolem.traces.reader import MAGIC, Recorded
 
 _HEADER = struct.Struct("<BQ")  # operation code and length of a record
 
@@ -35,9 +34,9 @@ def follow(path: Path) -> Iterator[Recorded | None]:
         yield None
     channels: dict[int, Channel] = {}
     with path.open("rb") as file:
-        while (magic := _complete(file, len(MCAP0_MAGIC))) is None:
+        while (magic := _complete(file, len(MAGIC))) is None:
             yield None
-        if magic != MCAP0_MAGIC:
+        if magic != MAGIC:
             raise TraceError(f"{path}: not a trace: it does not begin as an MCAP file")
         while True:
             record = _record(file)

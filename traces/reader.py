@@ -18,13 +18,13 @@ from mcap.reader import FOOTER_SIZE, make_reader
 from mcap.records import Channel, Chunk
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE, breakup_chunk
-from mcap.writer import MCAP0_MAGIC
 
 from skolem.traces.clock import tick_at, time_ns
 from skolem.traces.codec import ContentHash, counter_of, decode
 from skolem.traces.errors import TraceError
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Message
 
+MAGIC = b"\x89MCAP0\r\n"  # the first and the last bytes of the file
 DATA_END_SIZE = 1 + 8 + 4
 BLOCK_BYTES = 1 << 20
 RECOVER = "`skolem recover` saves what is whole"
@@ -146,7 +146,7 @@ def opened(path: Path) -> IO[bytes]:
         file = path.open("rb")
     except OSError as error:
         raise TraceError(f"{path}: cannot read the trace: {error.strerror}") from error
-    if file.read(MAGIC_SIZE) != MCAP0_MAGIC:
+    if file.read(MAGIC_SIZE) != MAGIC:
         file.close()
         raise TraceError(f"{path}: not a trace: it does not begin as an MCAP file")
     file.seek(0)
@@ -159,7 +159,7 @@ def _check_whole(path: Path, file: IO[bytes]) -> None:
     tail = MAGIC_SIZE + FOOTER_SIZE
     file.seek(max(0, size - tail))
     footer = file.read(tail)
-    if size < MAGIC_SIZE + tail + DATA_END_SIZE or footer[-MAGIC_SIZE:] != MCAP0_MAGIC:
+    if size < MAGIC_SIZE + tail + DATA_END_SIZE or footer[-MAGIC_SIZE:] != MAGIC:
         raise TraceError(f"{path}: truncated: the run was killed, or is still being recorded; {RECOVER}")
     summary, _, summary_crc = struct.unpack("<QQI", footer[-MAGIC_SIZE - 20 : -MAGIC_SIZE])
     data_end = summary - DATA_END_SIZE
