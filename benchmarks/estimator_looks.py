@@ -13,6 +13,7 @@ from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Looked
 from skolem.estimation.se2 import between, compose, exp
 from skolem.sim.detector import pose_covariance
+from skolem.sim.symbolic_arm import CARRY
 from skolem.sim.symbolic_view import Solid, camera, depth_view
 from skolem.traces.messages import (
     Action,
@@ -33,7 +34,7 @@ from skolem.traces.messages import (
 Array = NDArray[np.float64]
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True)
 TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.7), graspable=False)
-ROBOT = RobotState(torso=0.2, head=(0.0, 0.6), right_arm=(0.0,) * 7, left_arm=(0.0,) * 7)
+ROBOT = RobotState(torso=0.2, head=(0.0, 0.6), right_arm=CARRY["right"], left_arm=CARRY["left"])  # out of the view
 NOISE = NoiseModel(
     depth_sd_scale=1.0,
     extrinsics_sd_m=0.003,
@@ -107,92 +108,135 @@ def whole_look_is_right(crowd: Crowd, seed: int, hypotheses: int) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
+class Gross:
+    """The gross errors of a run.
+
+    Attributes:
+        outliers: Share of the detections that are far off.
+        false: Detections of nothing, as a share of the cans.
+        off_m: How far off outliers are, each axis, least and most.
+        counted: Whether the robot's noise model counts outliers, as a calibration would: each is a can that was not
+            found, and a detection of nothing. False detections it always knows of.
+        left_out: Whether somebody takes the gross errors out: then it shows what could be known at all.
+    """
+
+    outliers: float
+    false: float
+    off_m: tuple[float, float] = GROSS_M
+    counted: bool = True
+    left_out: bool = False
+
+    def noise(self, cans: int) -> NoiseModel:
+        """Return what the robot is told of its detector."""
+        outliers = self.outliers if self.counted else 0.0
+        false = 0.0 if self.left_out else self.false + outliers * NOISE.found
+        return NOISE.model_copy(
+            update={
+                "found": NOISE.found * (1.0 - outliers),
+                "false_per_look": max(false * cans, NOISE.false_per_look),
+            }
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Endured:
     """What gross errors did to a run.
 
     Attributes:
-        along: Squared errors of the places of cans relative to the base, after every look, square metres: of the
-            nearest listed anchor, if one is near.
-        at_end: The same after the last look.
-        ghosts: Listed anchors of nothing, at the end.
+        off_m: How far from each can, relative to the base, the listed anchor is that is of it, after each look, shape
+            (looks, cans), metres; NaN where none is.
+        strays: Listed anchors of nothing, after each look, shape (looks,).
         lost: Cans of which no anchor is left at the end, listed or doubted.
         duplicates: Listed anchors beyond one a can, at the end.
         renamed: Cans that are listed under another name than they were told by.
     """
 
-    along: Array
-    at_end: Array
-    ghosts: int
+    off_m: Array
+    strays: NDArray[np.int64]
     lost: int
     duplicates: int
     renamed: int
 
 
-def endured(
-    seed: int,
-    cans: int,
-    looks: int,
-    calm: int,
-    outliers: float,
-    false: float,
-    off_m: tuple[float, float] = GROSS_M,
-) -> Endured:
+def endured(seed: int, cans: int, looks: int, calm: int, gross: Gross) -> Endured:
     """Return how a belief gets through looks with gross errors, and a few calm ones at the end.
 
     Args:
-        seed: Of every draw.
+        seed: Of every draw; what is drawn beside the gross errors does not depend on them.
         cans: How many stand on the table.
         looks: How many with gross errors.
         calm: How many without.
-        outliers: Share of the detections that are far off.
-        false: Share of detections that are of nothing.
-        off_m: How far off outliers are, each axis, least and most.
+        gross: The errors.
     """
-    draws, gross = Generator(PCG64(SeedSequence([seed]))), Generator(PCG64(SeedSequence([seed, 1])))
+    draws, errors = Generator(PCG64(SeedSequence([seed]))), Generator(PCG64(SeedSequence([seed, 1])))
     told: dict[str, Pose2] = {
         f"can{i}": (0.75 + 0.15 * (i % 2), 0.17 * (i - (cans - 1) / 2.0), 0.0) for i in range(cans)
     }
-    noise = NOISE.model_copy(update={"false_per_look": max(false * cans, NOISE.false_per_look)})
-    belief, base = Belief(prior(told, 0.03, (0.01, 0.01, 0.01), noise)), exp(draws.normal(size=3) * 0.01)
+    belief, base = Belief(prior(told, 0.03, (0.01, 0.01, 0.01), gross.noise(cans))), exp(draws.normal(size=3) * 0.01)
     true = {name: moved(pose, draws, 0.03) for name, pose in told.items()}
-    along = []
     here = {name: between(base, pose) for name, pose in true.items()}
+    off, strays = [], []
     for step in range(looks + calm):
         if step % 3 == 2:
             motion = exp(draws.uniform(-0.05, 0.05, 3))
             base = compose(compose(base, motion), exp(draws.normal(size=3) * (0.006, 0.006, 0.011)))
             drive(belief, motion)
             here = {name: between(base, pose) for name, pose in true.items()}
-        calibration = exp(draws.normal(size=3) * (0.004, 0.004, 0.004))
-        seen = [moved(compose(calibration, pose), draws, FIT_SD) for pose in here.values()]
-        share, ghosts = (outliers, false) if step < looks else (0.0, 0.0)
-        seen = [shifted(pose, off_m, gross) if gross.random() < share else pose for pose in seen]
-        seen = [pose for pose, luck in zip(seen, draws.random(cans), strict=True) if luck < noise.found]
-        nothing = gross.uniform(LEAST, MOST, (gross.poisson(ghosts * cans), 2)).tolist()
-        look(belief, step, [detection(pose) for pose in [*seen, *((x, y, 0.0) for x, y in nothing)]], [*here.values()])
-        along.append(_nearest(belief, belief.anchors(), here))
+        seen = _reported([*here.values()], draws)
+        seen = seen if step >= looks else _with_errors(seen, gross, errors)
+        look(belief, step, [detection(pose) for pose in seen if pose], [*here.values()])
+        distances = _distances(belief, belief.anchors(), here)
+        off.append(_nearest(distances))
+        strays.append(int((distances.min(axis=1) >= GHOST_M).sum()))
     named = {s.anchor for event in belief.events if isinstance(event, Looked) for s in event.sightings} | set(told)
     left = [name for name in sorted(named) if belief.prob_exists(name) >= GIVEN_UP]
-    lost = int(np.isnan(_nearest(belief, left, here)).sum())
-    listed = [name for name in belief.anchors() if belief.graspable(name)]
-    near: NDArray[np.bool_] = np.array(
-        [[_off_m(belief, name, pose) < GHOST_M for pose in here.values()] for name in listed]
-    )
+    near = distances < GHOST_M
+    strange = [name not in told for name in _loose(belief, belief.anchors())]
     return Endured(
-        along=np.square(np.concatenate(along)),
-        at_end=np.square(along[-1]),
-        ghosts=int((~near.any(axis=1)).sum()),
-        lost=lost,
+        off_m=np.array(off),
+        strays=np.array(strays),
+        lost=int(np.isnan(_nearest(_distances(belief, left, here))).sum()),
         duplicates=int(np.maximum(near.sum(axis=0) - 1, 0).sum()),
-        renamed=int(near[[name not in told for name in listed]].any(axis=0).sum()),
+        renamed=int(near[strange].any(axis=0).sum()),
     )
 
 
-def _nearest(belief: Belief, anchors: Iterable[str], here: dict[str, Pose2]) -> Array:
-    """Return how far the nearest of some anchors is from each can, shape (n,), metres; NaN if none is near."""
-    loose = [name for name in anchors if belief.graspable(name)]
-    off = [min((_off_m(belief, name, pose) for name in loose), default=math.inf) for pose in here.values()]
-    return np.array([distance if distance < SAME_M else math.nan for distance in off])
+def _reported(here: list[Pose2], draws: Generator) -> list[Pose2 | None]:
+    """Return where each can is seen, None for those that are not."""
+    calibration = exp(draws.normal(size=3) * (0.004, 0.004, 0.004))
+    seen = [moved(compose(calibration, pose), draws, FIT_SD) for pose in here]
+    return [pose if luck < NOISE.found else None for pose, luck in zip(seen, draws.random(len(here)), strict=True)]
+
+
+def _with_errors(seen: list[Pose2 | None], gross: Gross, draws: Generator) -> list[Pose2 | None]:
+    """Return the same with some far off, and some of nothing; without either if they are left out."""
+    far = [draws.random() < gross.outliers for _ in seen]
+    wrong = [
+        shifted(pose, gross.off_m, draws) if pose and is_far else None for pose, is_far in zip(seen, far, strict=True)
+    ]
+    nothing = draws.uniform(LEAST, MOST, (draws.poisson(gross.false * len(seen)), 2)).tolist()
+    right = [pose for pose, is_far in zip(seen, far, strict=True) if not is_far]
+    return right if gross.left_out else [*right, *wrong, *((x, y, 0.0) for x, y in nothing)]
+
+
+def _loose(belief: Belief, anchors: Iterable[str]) -> list[str]:
+    return [name for name in anchors if belief.graspable(name)]
+
+
+def _distances(belief: Belief, anchors: Iterable[str], here: dict[str, Pose2]) -> Array:
+    """Return how far each of some anchors is from each can, shape (anchors, cans), metres."""
+    rows = [[_off_m(belief, name, pose) for pose in here.values()] for name in _loose(belief, anchors)]
+    return np.array(rows).reshape(-1, len(here))
+
+
+def _nearest(distances: Array) -> Array:
+    """Return how far from each can the anchor of it is, shape (cans,), metres: NaN if none is near.
+
+    An anchor is of the can that is nearest to it, so that a neighbour's is not taken for one of a can that has none.
+    """
+    own = np.where(distances <= distances.min(axis=1, keepdims=True), distances, math.inf)
+    nearest = own.min(axis=0, initial=math.inf)
+    return np.where(nearest < SAME_M, nearest, math.nan)
 
 
 def moved(pose: Pose2, draws: Generator, sd_m: float) -> Pose2:

@@ -168,9 +168,7 @@ class Belief:
         pair = (self._tracks.get(anchor), self._tracks.get(other))
         if any(track is None or track.hand for track in pair):
             return 0.0
-        other_T_anchor, covariance = self._relation(other, anchor)
-        spread = turned(covariance, other_T_anchor[2])[:2, :2]
-        return prob_in_polygon(np.array(other_T_anchor[:2]), spread, disc(distance_m))
+        return prob_in_polygon(*self._graph.apart(other, anchor), disc(distance_m))
 
     def regions(self) -> tuple[str, ...]:
         """Every region of space that can be searched, in order of introduction."""

@@ -69,16 +69,9 @@ class Identity:
 
     def _is_same(self, a: str, b: str) -> bool:
         """Return whether two anchors are believed to overlap, at places and heights that agree."""
-        one, two = self.tracks[a], self.tracks[b]
-        height_sd = math.sqrt(one.z_variance + two.z_variance)
-        if abs(one.z - two.z) > self.config.height_tolerance_m + 2.0 * height_sd:
-            return False
-        a_T_b, covariance = self.graph.relative(a, b)
-        apart, spread = np.array(a_T_b[:2]), turned(covariance, a_T_b[2])[:2, :2]
-        if float(apart @ np.linalg.solve(spread, apart)) > self.config.place_gate:
-            return False
-        touching = _core(self.tracks.kind(a)) + _core(self.tracks.kind(b))
-        return 1.0 - prob_in_polygon(apart, spread, disc(touching)) < self.config.merge_doubt
+        apart, spread = self.graph.apart(a, b)
+        agree = float(apart @ np.linalg.solve(spread, apart)) <= self.config.place_gate
+        return agree and overlap(self.graph, self.tracks, self.config, a, b)
 
     def _merged(self, anchor: str, other: str) -> Merged:
         """Return the event; a heading tells nothing if the types differ or look alike all around."""
@@ -109,6 +102,17 @@ class Identity:
         off: Vector = np.array(place[:2]) - np.array(believed[:2])
         spread = turned(covariance, believed[2]) + turned(symmetric(seen.covariance), place[2])
         return float(np.hypot(*off)), float(off @ np.linalg.solve(spread[:2, :2], off))
+
+
+def overlap(graph: PoseGraph, tracks: Tracks, config: EstimatorConfig, a: str, b: str) -> bool:
+    """Return whether two anchors are, for sure, believed to stand in each other's place: one of them is not there."""
+    one, two = tracks[a], tracks[b]
+    height_sd = math.sqrt(one.z_variance + two.z_variance)
+    if abs(one.z - two.z) > config.height_tolerance_m + 2.0 * height_sd:
+        return False
+    apart, spread = graph.apart(a, b)
+    touching = _core(tracks.kind(a)) + _core(tracks.kind(b))
+    return 1.0 - prob_in_polygon(apart, spread, disc(touching)) < config.merge_doubt
 
 
 def _core(kind: ObjectType) -> float:

@@ -12,6 +12,7 @@ from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.events import Looked, Missed, Sighting, canonical_order
 from skolem.estimation.extrinsics import camera_covariance, own_covariance, sighting_z_sd
 from skolem.estimation.fluents import prob_in_polygon, rectangle
+from skolem.estimation.identity import overlap
 from skolem.estimation.joint_association import Pair, Scene, assign_jointly, is_ambiguous
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.regions import Regions
@@ -244,10 +245,20 @@ class Look:
         track, kind = self._tracks[expected.anchor], self._tracks.kind(expected.anchor)
         if self._image is None or kind.shape == "table":
             return Missed(anchor=expected.anchor, p_reported=0.0)
+        if any(self._stands_in(s, expected) for s in sightings):
+            return Missed(anchor=expected.anchor, p_reported=self._noise.found)
         there = (self._image, expected.base_T_object, expected.covariance, track.z, kind, self._config)
         solid = prob_solid(*there, lambda ends: self._explained(ends, expected.anchor, sightings))
         p_reported = min(1.0, prob_visible(*there) * self._noise.found)
         return Missed(anchor=expected.anchor, p_reported=p_reported, solid=min(1.0, solid))
+
+    def _stands_in(self, seen: Sighting, missed: Expected) -> bool:
+        """Return whether a known thing was seen in the place of a missed one, which then is not just hidden by it."""
+        anchors, kinds = (seen.anchor, missed.anchor), (self._seen_as(seen.detection), self._tracks.kind(missed.anchor))
+        apart = math.dist(seen.detection.base_T_object[:2], missed.base_T_object[:2])
+        if seen.new or not kinds[0].graspable or apart > sum(outline_radius(kind) for kind in kinds):
+            return False
+        return overlap(self._graph, self._tracks, self._config, *anchors)
 
     def _explained(self, ends: Array, missed: str, sightings: tuple[Sighting, ...]) -> Mask:
         """Return which readings, shape (n, 3), base frame, have hit an arm, something seen, or another thing known."""

@@ -36,7 +36,18 @@ from skolem.estimation.events import (
     Weighed,
 )
 from skolem.estimation.graph_state import Grasp, empty
-from skolem.estimation.se2 import Matrix, adjoint, between, compose, flat, inverse, raised, relative_jacobian, symmetric
+from skolem.estimation.se2 import (
+    Matrix,
+    Vector,
+    adjoint,
+    between,
+    compose,
+    flat,
+    inverse,
+    raised,
+    relative_jacobian,
+    symmetric,
+)
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
 
@@ -92,6 +103,11 @@ def grasp_factor(base: int, item: int, grasp: int, base_T_tool: Pose2, sds: tupl
 
 def _sds(sd_m: float, sd_rad: float) -> gtsam.noiseModel.Diagonal:
     return gtsam.noiseModel.Diagonal.Sigmas(np.array([sd_m, sd_m, sd_rad]))
+
+
+def _to_base(turn: float) -> Matrix:
+    """Return d(place) / d(tangent of the pose) of a body turned so, shape (2, 3)."""
+    return adjoint((0.0, 0.0, turn))[:2] * (1.0, 1.0, 0.0)
 
 
 def _tuple(pose: gtsam.Pose2) -> Pose2:
@@ -320,6 +336,19 @@ class PoseGraph:
         a_T_b = between(*joint.world_T_body)
         jacobian = relative_jacobian(a_T_b)
         return a_T_b, jacobian @ joint.covariance @ jacobian.T
+
+    def apart(self, a: str, b: str) -> tuple[Vector, Matrix]:
+        """Return mean and covariance of how far the place of `b` is from that of `a`, base frame, shapes (2,), (2, 2).
+
+        Unlike a_T_b it does not depend on how either is turned, which for what looks alike all around is not known.
+        """
+        joint = self.joint((BASE, a, b))
+        base, *both = joint.world_T_body
+        (ax, ay, turned_a), (bx, by, turned_b) = (between(base, pose) for pose in both)
+        jacobian = np.zeros((2, 9))
+        jacobian[:, 2] = (by - ay, ax - bx)  # the base turns
+        jacobian[:, 3:6], jacobian[:, 6:] = -_to_base(turned_a), _to_base(turned_b)
+        return np.array([bx - ax, by - ay]), jacobian @ joint.covariance @ jacobian.T
 
     def mean(self, a: str, b: str) -> Pose2:
         """Return the mean of a_T_b alone, which costs next to nothing."""

@@ -110,8 +110,9 @@ def _is_solid(
     towards = points[points[:, 2] >= place[2] + margin][known] - image.origin
     ends = image.origin + towards * (depth[known] / forward[known])[:, None]
     beside = np.linalg.norm(ends[:, :2] - place[:2], axis=1)
-    on = (beside <= radius + margin) & (ends[:, 2] >= place[2] + margin) & ~explained(ends)
-    return bool(len(on) and on.sum() >= config.seen_share * len(on))
+    on = (beside <= radius + margin) & (ends[:, 2] >= place[2] + margin)
+    least = max(1.0, config.seen_share * len(on))
+    return bool(on.sum() >= least and (on & ~explained(ends)).sum() >= least)
 
 
 def _outline(

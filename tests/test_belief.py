@@ -622,6 +622,16 @@ def test_order_in_which_the_detector_reports_decides_nothing() -> None:
     assert snapshots[0] == snapshots[1]
 
 
+def test_whether_two_things_are_near_does_not_depend_on_how_they_are_turned() -> None:
+    robot = Robot(prior())
+    sees_all(robot, times=4)
+    apart = math.dist(CANS["can1"][:2], CANS["can2"][:2])
+    assert math.sqrt(robot.belief.gaussian("pose", "can1").covariance[2, 2]) > 0.5
+    for one, other in (("can1", "can2"), ("can2", "can1")):
+        assert robot.belief.prob_near(one, other, apart + 0.03) > 0.99
+        assert robot.belief.prob_near(one, other, apart - 0.03) < 0.01
+
+
 def test_joint_covariance_of_the_snapshot_gives_the_relative_pose() -> None:
     robot = eventful()
     belief = robot.belief.snapshot(8)

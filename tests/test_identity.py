@@ -99,6 +99,28 @@ def test_held_object_is_no_other() -> None:
     assert robot.belief.identity_changes() == ()
 
 
+# ---------------------------------------------------------------- no room for both
+
+
+def hides_another(apart: float) -> Robot:
+    """Return a robot that was told of two cans in one line of sight, and then sees the one in front again and again."""
+    front, behind = CANS["can2"], (0.95 + apart, 0.0, 0.0)
+    robot = Robot(prior({"can2": front, "behind": behind}, sd_m=0.002))
+    for _ in range(4):
+        robot.look([detection(front)], depth_view([front], height=0.3))
+    return robot
+
+
+def test_thing_believed_where_another_is_seen_to_stand_is_given_up_although_it_would_be_hidden() -> None:
+    robot = hides_another(0.05)
+    assert robot.belief.prob_exists("behind") < 0.01
+    assert robot.belief.prob_exists("can2") == pytest.approx(0.99)
+
+
+def test_hidden_thing_that_has_room_behind_what_is_seen_keeps_its_existence() -> None:
+    assert hides_another(0.075).belief.prob_exists("behind") > 0.95
+
+
 # ---------------------------------------------------------------- two objects
 
 

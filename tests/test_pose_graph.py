@@ -226,6 +226,21 @@ def test_mean_alone_is_that_of_the_relative_pose() -> None:
         assert graph.mean(a, b) == graph.relative(a, b)[0]
 
 
+def test_how_far_apart_two_places_are_agrees_with_differences_on_the_joint() -> None:
+    graph = graph_of(random_log(3))
+    joint = graph.joint((BASE, "can0", "can2"))
+
+    def apart(tangent: NDArray[np.float64]) -> NDArray[np.float64]:
+        base, a, b = (compose(p, exp(tangent[3 * i : 3 * i + 3])) for i, p in enumerate(joint.world_T_body))
+        return np.subtract(relative(base, b), relative(base, a))[:2]
+
+    steps = 1e-6 * np.eye(9)
+    jacobian = np.array([(apart(step) - apart(-step)) / 2e-6 for step in steps]).T
+    off, covariance = graph.apart("can0", "can2")
+    assert off == pytest.approx(apart(np.zeros(9)))
+    assert covariance == pytest.approx(jacobian @ joint.covariance @ jacobian.T, rel=1e-6, abs=1e-12)
+
+
 def test_sd_of_a_prior_lies_along_the_axes_of_the_object() -> None:
     mean, covariance = graph_of([began({"can": (1.0, 0.0, math.pi / 2)}, base_sd=0.0)]).relative(BASE, "can")
     assert mean == pytest.approx((1.0, 0.0, math.pi / 2))
