@@ -8,7 +8,7 @@ from typing import Final
 
 from benchmarks.tables import write
 
-SECTIONS: Final = ("reasoner", "peers", "estimator", "detector")  # modules of this folder; each has tables()
+SECTIONS: Final = ("reasoner", "peers", "estimator", "detector", "replays")  # modules of this folder; each has tables()
 
 
 def main() -> None:
