@@ -177,7 +177,7 @@ class Limits(Message):
     hierarchy_depth: Annotated[int, Field(ge=12, description="layers of the plan stack")]
     min_plan_probability: Probability
     repeats: Annotated[int, Field(gt=0, description="of one action without success, before it is given up")] = 10
-    plan_changes: Annotated[int, Field(gt=0, description="of the plan stack in one decision")] = 1000
+    plan_changes: Annotated[int, Field(gt=0, description="of the plan stack in one decision")] = 100
     optimal: Annotated[
         bool, Field(description="take more time, so that no plan at all is likelier than the one found")
     ] = False
