@@ -13,6 +13,8 @@ from skolem.tools.sweep_rows import TIMES, Row
 
 GOAL = parse_goal("exists o. B(Den(lambda x. Green(x), o), 0.95) & B(In(o, table1), 0.9)", {"Green": 1, "In": 2})
 
+NEAREST = "best candidate sodaC, p = 0.950 (green 0.97, exists 0.99); seen of the regions: _reg1_ 0.92"
+
 
 def row(
     seed: int, status: str = "goal_achieved", true: bool | None = True, ops: str = "abc", total: float = 2.0
@@ -30,6 +32,8 @@ def row(
         simulated_s=4.0,
         goal_probability=0.95,
         anchor="sodaC",
+        conjuncts=("green 0.97", "exists 0.99"),
+        regions=("_reg1_ 0.92",),
         witness="sodaC" if true else None,
         sequence=tuple(ops),
         reason="because\nof it",
@@ -41,7 +45,7 @@ def row(
 
 
 def part(*rows: Row) -> Part:
-    return Part("sim1", "symbolic", (), GOAL, rows)
+    return Part("sim1", "symbolic", (), GOAL, "goal_achieved", rows)
 
 
 @pytest.mark.parametrize(
@@ -75,18 +79,28 @@ def test_what_is_believed_and_what_is_true_are_counted_apart() -> None:
 
 def test_every_failure_has_one_line_with_its_reason_and_trace() -> None:
     text = section(part(row(0), row(1, true=False), row(2, "limit_reached", False)))
-    assert text.splitlines()[-2:] == [
-        "- seed 1: believed, but not true; best candidate sodaC, p = 0.950; sim1-1.mcap",
-        "- seed 2: limit_reached: because of it; best candidate sodaC, p = 0.950; sim1-2.mcap",
+    assert text.splitlines()[-4:-2] == [
+        f"- seed 1: believed, but not true; {NEAREST}; sim1-1.mcap",
+        f"- seed 2: limit_reached: because of it; {NEAREST}; sim1-2.mcap",
     ]
+
+
+def test_runs_that_end_as_the_scenario_expects_are_counted() -> None:
+    text = section(replace(part(row(0, "goal_unachievable", true=False), row(1)), expected="goal_unachievable"))
+    assert "| ended as expected: goal_unachievable | 1 of 2 | 50.0% |" in text
+
+
+def test_an_account_names_the_command_that_makes_it_again() -> None:
+    (last,) = section(replace(part(row(3), row(4)), overrides=("noise=none",))).splitlines()[-1:]
+    assert "`skolem sweep scenarios/sim1.yaml --seeds 3-4 --world symbolic --set noise=none -o DIR`" in last
 
 
 def test_many_failures_that_say_the_same_are_one_line() -> None:
     alike = [row(seed, "goal_unachievable", False) for seed in (*range(10), 12, 14, 15)]
     text = section(part(*alike, row(11, true=False)))
-    assert text.splitlines()[-2:] == [
+    assert text.splitlines()[-4:-2] == [
         "- seeds 0-9, 12, 14-15: goal_unachievable: because of it",
-        "- seed 11: believed, but not true; best candidate sodaC, p = 0.950; sim1-11.mcap",
+        f"- seed 11: believed, but not true; {NEAREST}; sim1-11.mcap",
     ]
 
 
@@ -113,7 +127,7 @@ def test_several_scenarios_have_an_overview_before_them() -> None:
     one, other = part(row(0), row(1, true=False)), replace(part(row(0, "goal_unachievable"), row(1, "error")), name="z")
     (key, text), *rest = sections([one, other])
     assert (key, [found for found, _ in rest]) == ("overview symbolic", ["sim1 symbolic", "z symbolic"])
-    assert text.splitlines()[-2:] == ["| sim1 | 2 | 2 | 1 | 3 | 2 | 2 |", "| z | 2 | 0 | 0 | 3 | 2 | 2 |"]
+    assert text.splitlines()[-2:] == ["| sim1 | 2 | 2 | 2 | 1 | 3 | 2 | 2 |", "| z | 2 | 0 | 0 | 0 | 3 | 2 | 2 |"]
     assert [found for found, _ in sections([one])] == ["sim1 symbolic"]
 
 

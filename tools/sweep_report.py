@@ -11,9 +11,13 @@ from dataclasses import dataclass
 
 from skolem.reasoner.expressions import Believed, Estimated, Goal
 from skolem.tools.session import PARTS, RECORDING
+from skolem.tools.source import SOURCE_SHA256
 from skolem.tools.sweep_rows import Row
+from skolem.traces.messages import RunStatus
 
 CONFIDENCE = 0.95  # of the intervals
+ACHIEVED: RunStatus = "goal_achieved"
+DIGITS = 12  # of the hash of rules and program
 MANY = 10  # failures that say the same and are told in one line
 COUNTS: tuple[tuple[str, Callable[[Row], float]], ...] = (
     ("actions", lambda row: row.actions),
@@ -40,6 +44,7 @@ class Part:
         world: Which simulator.
         overrides: What was changed of the scenario.
         goal: What was to be achieved.
+        expected: How the scenario says that runs end.
         rows: The runs, by seed.
     """
 
@@ -47,7 +52,20 @@ class Part:
     world: str
     overrides: Sequence[str]
     goal: Goal
+    expected: RunStatus
     rows: Sequence[Row]
+
+    @property
+    def as_expected(self) -> int:
+        """How many runs ended as the scenario says."""
+        return sum(row.status == self.expected for row in self.rows)
+
+    @property
+    def command(self) -> str:
+        """What makes these runs."""
+        seeds = sorted(row.seed for row in self.rows)
+        words = [f"skolem sweep scenarios/{self.name}.yaml", f"--seeds {_ranges(seeds)}", f"--world {self.world}"]
+        return " ".join([*words, *(f"--set {override}" for override in self.overrides), "-o DIR"])
 
     @property
     def key(self) -> str:
@@ -97,14 +115,15 @@ def _overview(parts: Sequence[Part]) -> str:
         "",
         "Of a run: medians.",
         "",
-        "| scenario | runs | believed | of these true | actions | wall time, s | simulated over wall time |",
-        "|---|---|---|---|---|---|---|",
+        "| scenario | runs | ended as expected | believed | of these true | actions | wall time, s | simulated over "
+        "wall time |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for part in parts:
         believed, true = sum(row.believed for row in part.rows), sum(row.succeeded for row in part.rows)
         ended = [row for row in part.rows if row.status != "error"]
         medians = [_median(ended, lambda row: row.actions), _median(ended, lambda row: row.seconds["total"])]
-        counts = f"{part.name} | {len(part.rows)} | {believed} | {true}"
+        counts = f"{part.name} | {len(part.rows)} | {part.as_expected} | {believed} | {true}"
         lines.append(f"| {counts} | {' | '.join(medians)} | {_median(ended, _speed)} |")
     return "\n".join([*lines, ""])
 
@@ -127,6 +146,8 @@ def section(part: Part) -> str:
         lines += [*_efforts(ended), "", _variety(rows), ""]
     failed = [row for row in rows if not row.succeeded]
     lines += [*_failures(failed), *([""] if failed else [])]
+    if rows:
+        lines += [f"<sub>`{part.command}`; rules and program {SOURCE_SHA256[:DIGITS]}</sub>", ""]
     return "\n".join(lines)
 
 
@@ -156,6 +177,11 @@ def _shares(part: Part) -> list[str]:
     return [
         f"| of {len(rows)} runs | number | share | {CONFIDENCE:.0%} interval |",
         "|---|---|---|---|",
+        *(
+            []
+            if part.expected == ACHIEVED
+            else [_share(f"ended as expected: {part.expected}", part.as_expected, len(rows))]
+        ),
         _share("goal believed achieved", believed, len(rows)),
         _share("believed and true", succeeded, len(rows)),
         _share("true but not believed", unaware, len(rows)),
@@ -224,8 +250,10 @@ def _why(row: Row) -> str:
 
 
 def _nearest(row: Row) -> str:
-    """Return how near the robot thought it came."""
-    return f"; best candidate {row.anchor}, p = {row.goal_probability:.3f}" if row.anchor else ""
+    """Return how near the robot thought it came, and how much it has seen."""
+    about = f" ({', '.join(row.conjuncts)})" if row.conjuncts else ""
+    found = f"; best candidate {row.anchor}, p = {row.goal_probability:.3f}{about}" if row.anchor else ""
+    return found + (f"; seen of the regions: {', '.join(row.regions)}" if row.regions else "")
 
 
 def _ranges(seeds: Sequence[int]) -> str:

@@ -42,6 +42,8 @@ class Row:
         simulated_s: Simulated time, seconds.
         goal_probability: What the robot believes of its goal's best candidate.
         anchor: That candidate.
+        conjuncts: What is believed of it: each property or fluent with its probability.
+        regions: How much of each region has been seen.
         witness: A true object that makes the goal true.
         sequence: The executed operators with their arguments.
         reason: Why the run ended.
@@ -63,6 +65,8 @@ class Row:
     simulated_s: float
     goal_probability: float
     anchor: str | None
+    conjuncts: tuple[str, ...]
+    regions: tuple[str, ...]
     witness: str | None
     sequence: tuple[str, ...]
     reason: str
@@ -112,6 +116,8 @@ def read_row(trace: Trace, name: str) -> Row:
         simulated_s=round(next(trace.messages("/run/end")).tick / TICKS_PER_SECOND, 3),
         goal_probability=end.goal_probability,
         anchor=end.anchor,
+        conjuncts=_shares(end.conjuncts),
+        regions=_shares(end.regions),
         witness=None if judged is None else judged.witness,
         sequence=tuple(action.op for action in trace.of(Action)),
         reason=end.reason,
@@ -120,6 +126,10 @@ def read_row(trace: Trace, name: str) -> Row:
         size_bytes=trace.path.stat().st_size,
         seconds={part: round(milliseconds.get(part, 0.0) / 1e3, 3) for part in TIMES},
     )
+
+
+def _shares(probabilities: Mapping[str, float]) -> tuple[str, ...]:
+    return tuple(f"{name} {p:.2f}" for name, p in probabilities.items())
 
 
 def lost_row(start: RunStart, reason: str) -> Row:
@@ -137,6 +147,8 @@ def lost_row(start: RunStart, reason: str) -> Row:
         simulated_s=0.0,
         goal_probability=0.0,
         anchor=None,
+        conjuncts=(),
+        regions=(),
         witness=None,
         sequence=(),
         reason=reason,

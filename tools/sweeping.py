@@ -10,11 +10,12 @@ from pathlib import Path
 from skolem.tools import session
 from skolem.tools.planners import WorldKind
 from skolem.tools.sweep_progress import progress_for
-from skolem.tools.sweep_report import Part, line, sections, summary, with_section
+from skolem.tools.sweep_report import ACHIEVED, Part, line, sections, summary, with_section
 from skolem.tools.sweep_rows import Row, put, results_csv, times_csv
 from skolem.tools.sweep_task import Task, done_before, tasks_of
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.interrupts import interrupts_held
+from skolem.traces.messages import RunStatus
 
 INTERRUPTED = 130
 
@@ -122,9 +123,14 @@ def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
     """Return the rows there are, by scenario and seed."""
     found = [rows[task.name] for task in plan.tasks if task.name in rows]
     return [
-        Part(name, setup.world, plan.overrides, setup.goal, [row for row in found if row.scenario == name])
+        Part(name, setup.world, plan.overrides, setup.goal, _expected(setup), [r for r in found if r.scenario == name])
         for name, setup in sorted(plan.setups.items())
     ]
+
+
+def _expected(setup: session.Setup) -> RunStatus:
+    """Return how the scenario says that its runs end."""
+    return ACHIEVED if setup.scenario.expect is None else setup.scenario.expect.status
 
 
 def _write_tables(parts: Sequence[Part], out: Path, write: Path | None) -> None:
