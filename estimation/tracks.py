@@ -183,7 +183,8 @@ class Tracks:
     def _missed(self, miss: Missed) -> Track:
         """Return the track of an anchor after silence, and after what the picture shows in its place.
 
-        Something solid there is the object or something else; if it was seen already, it says nothing new.
+        Something solid there is the object or something else; what was seen already since the object was last reported
+        says nothing new.
         """
         track = self[miss.anchor]
         without = 1.0 - miss.solid * (1.0 - track.otherwise)
@@ -279,7 +280,15 @@ class Tracks:
         )
 
     def _evidence(self, anchor: str, odds: float) -> Track:
-        """Return the track after something `odds` times likelier if the object exists."""
-        track = self[anchor]
-        bounded = min(odds, math.exp(MAX_LOG_ODDS))
-        return replace(track, exists=min(after_evidence(track.exists, bounded), self._config.most_sure))
+        """Return the track after something `odds` times likelier if the object exists.
+
+        It never is surer than `most_sure`: what that adds to the doubt is that someone takes the object from now on.
+        What a picture showed in its place was the object then, and tells nothing of what would stand there instead.
+        """
+        track, surest = self[anchor], self._config.most_sure
+        exists = after_evidence(track.exists, min(odds, math.exp(MAX_LOG_ODDS)))
+        if exists <= surest:
+            return replace(track, exists=exists)
+        before = (1.0 - exists) / (1.0 - surest)  # share of the doubt that is older
+        otherwise = before * track.otherwise + (1.0 - before) * self._config.other_solid
+        return replace(track, exists=surest, otherwise=otherwise)

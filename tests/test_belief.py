@@ -175,6 +175,7 @@ class Robot:
 
     def __init__(self, told: Prior, config: EstimatorConfig | None = None) -> None:
         self.belief = Belief(told, config)
+        self.joints = told.robot
         self.step = 0
 
     def _do(self, command: Command, args: tuple[str, ...] = (), odometry: Pose2 | None = None, **seen: object) -> None:
@@ -182,7 +183,7 @@ class Robot:
         self.belief.update(
             Action(step=self.step, op=command.kind, args=args, command=command),
             ActionResult.model_validate(
-                {"step": self.step, "status": "done", "robot": ROBOT, "odometry": odometry} | result
+                {"step": self.step, "status": "done", "robot": self.joints, "odometry": odometry} | result
             ),
             Observation.model_validate({"step": self.step, "kind": "none"} | seen),
         )

@@ -247,6 +247,17 @@ def test_known_thing_is_hardly_doubted_where_the_picture_shows_it() -> None:
     assert shown.belief.prob_exists("_o1_") < 0.6  # that something stands there was known already
 
 
+def test_what_the_picture_shows_counts_anew_once_the_thing_was_reported_again() -> None:
+    robot, doubted = Searcher(told(), CANS[:1]), []
+    for _ in range(3):
+        for found in (True, True, False):
+            robot.look(FRONT, found=found)
+        doubted.append(robot.belief.prob_exists("_o1_"))
+    assert doubted == pytest.approx([doubted[0]] * 3, abs=0.001)
+    robot.look(FRONT, found=False)
+    assert robot.belief.prob_exists("_o1_") > 0.5  # overlooked twice running, of eleven looks
+
+
 # ---------------------------------------------------------------- objects nobody has met
 
 
