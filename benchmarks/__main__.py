@@ -6,26 +6,30 @@ import time
 from importlib import import_module
 from typing import Final
 
-from benchmarks.tables import write
+from benchmarks.tables import keep_only, write
 
 SECTIONS: Final = ("reasoner", "peers", "estimator", "detector", "replays")  # modules of this folder; each has tables()
 
 
 def main() -> None:
-    """Run the benchmarks named on the command line, all by default."""
+    """Run the benchmarks named on the command line; all by default, and then only their sections stay on the page."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("sections", nargs="*", help=f"of {', '.join(SECTIONS)}; all by default")
     names = parser.parse_args().sections or SECTIONS
     unknown = sorted(set(names) - set(SECTIONS))
     if unknown:
         parser.error(f"no section {unknown[0]!r}; there are: {', '.join(SECTIONS)}")
-    begun = time.monotonic()
+    begun, titles = time.monotonic(), []
     for name in names:
         for table in import_module(f"benchmarks.{name}").tables():
             write(table)
+            titles.append(table.title)
             missed = sum(not target.met for target in table.targets)
-            sys.stdout.write(f"{time.monotonic() - begun:6.0f} s  {table.title}: targets missed: {missed}\n")
+            seconds = time.monotonic() - begun
+            sys.stdout.write(f"{table}\n\n{seconds:6.0f} s  {table.title}: targets missed: {missed}\n\n")
             sys.stdout.flush()
+    if set(names) == set(SECTIONS):
+        keep_only(titles)
 
 
 if __name__ == "__main__":

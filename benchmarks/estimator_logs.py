@@ -1,6 +1,8 @@
 """Logs of a robot that drives round a ring of objects, with the truth; errors are drawn from the estimator's models."""
 
+import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,17 +57,36 @@ class Log:
     steps: tuple[Step, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A run without an end: what is told, the true places of the objects, and the steps, each made when asked for."""
+
+    began: Began
+    world_T_object: dict[str, Pose2]
+    steps: Iterator[Step]
+
+
 def simulated(objects: int, steps: int, seed: int, base_heading_sd: float = float(BASE_SDS[2])) -> Log:
-    """Return a run round a ring whose length grows with the number of objects; several rounds if there are many steps.
+    """Return the first steps of a course."""
+    run = course(objects, seed, base_heading_sd)
+    return Log(run.began, run.world_T_object, tuple(itertools.islice(run.steps, steps)))
+
+
+def steps_a_round(objects: int) -> int:
+    """Return how many drives it takes to come round the ring of so many objects."""
+    return math.ceil(math.tau * _radius(objects) / STEP_M)
+
+
+def course(objects: int, seed: int, base_heading_sd: float = float(BASE_SDS[2])) -> Course:
+    """Return a run round a ring whose length grows with the number of objects, round after round.
 
     Args:
         objects: How many.
-        steps: How many drives, each with a look.
         seed: Of every draw.
         base_heading_sd: How well the heading of the base is known at first, rad.
     """
     draws = Generator(PCG64(SeedSequence([seed, objects])))
-    radius = max(1.5, objects / 10.0)
+    radius = _radius(objects)
     names = tuple(f"object{i}" for i in range(objects))
     angles, reach = draws.uniform(0.0, math.tau, objects), radius + draws.uniform(0.5, 1.5, objects)
     headings = draws.uniform(-math.pi, math.pi, objects)
@@ -76,14 +97,21 @@ def simulated(objects: int, steps: int, seed: int, base_heading_sd: float = floa
     began = _began(
         erring(base, base_sds, draws), {n: erring(p, TOLD_SDS, draws) for n, p in world_T_object.items()}, base_sds
     )
-    recorded = []
-    for step in range(steps):
-        wanted = _on_ring(radius, step + 1)
+    return Course(began, world_T_object, _driven(base, radius, truth, names, draws))
+
+
+def _driven(base: Pose2, radius: float, truth: Array, names: tuple[str, ...], draws: Generator) -> Iterator[Step]:
+    """Yield drives along the ring, each with a look, from where the base is."""
+    for step in itertools.count(1):
+        wanted = _on_ring(radius, step)
         by_wheels = between(base, wanted)
         base = erring(wanted, MOVED_SDS, draws)
         moved = Moved(start_T_end=by_wheels, sd_m=float(MOVED_SDS[0]), sd_rad=float(MOVED_SDS[2]))
-        recorded.append(Step(moved, _look(base, truth, names, draws), base))
-    return Log(began, world_T_object, tuple(recorded))
+        yield Step(moved, _look(base, truth, names, draws), base)
+
+
+def _radius(objects: int) -> float:
+    return max(1.5, objects / 10.0)
 
 
 def erring(pose: Pose2, sds: Array, draws: Generator) -> Pose2:

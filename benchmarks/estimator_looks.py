@@ -62,6 +62,7 @@ MODERATE_M = (0.08, 0.40)  # and if it may be within that: two to four sds
 LEAST, MOST = (0.65, -0.60), (1.30, 0.60)  # x and y of the part of the table that the camera sees
 SAME_M = 0.15  # an anchor farther than this from a can is not taken for one of it
 GIVEN_UP = EstimatorConfig().retired
+TESTED = 0.5  # expected reports below which looks say little about an anchor
 GHOST_M = 0.05  # an anchor farther than this from every can is of nothing
 
 
@@ -146,6 +147,7 @@ class Endured:
         off_m: How far from each can, relative to the base, the listed anchor is that is of it, after each look, shape
             (looks, cans), metres; NaN where none is.
         strays: Listed anchors of nothing, after each look, shape (looks,).
+        untested: Of those at the end, how many the calm looks could hardly have shown, were they real.
         lost: Cans of which no anchor is left at the end, listed or doubted.
         duplicates: Listed anchors beyond one a can, at the end.
         renamed: Cans that are listed under another name than they were told by.
@@ -153,6 +155,7 @@ class Endured:
 
     off_m: Array
     strays: NDArray[np.int64]
+    untested: int
     lost: int
     duplicates: int
     renamed: int
@@ -190,15 +193,23 @@ def endured(seed: int, cans: int, looks: int, calm: int, gross: Gross) -> Endure
         strays.append(int((distances.min(axis=1) >= GHOST_M).sum()))
     named = {s.anchor for event in belief.events if isinstance(event, Looked) for s in event.sightings} | set(told)
     left = [name for name in sorted(named) if belief.prob_exists(name) >= GIVEN_UP]
-    near = distances < GHOST_M
-    strange = [name not in told for name in _loose(belief, belief.anchors())]
+    near, listed = distances < GHOST_M, _loose(belief, belief.anchors())
+    strange = [name not in told for name in listed]
+    ghosts = [name for name, row in zip(listed, near, strict=True) if not row.any()]
     return Endured(
         off_m=np.array(off),
         strays=np.array(strays),
+        untested=sum(_reports(belief, name, looks) < TESTED for name in ghosts),
         lost=int(np.isnan(_nearest(_distances(belief, left, here))).sum()),
         duplicates=int(np.maximum(near.sum(axis=0) - 1, 0).sum()),
         renamed=int(near[strange].any(axis=0).sum()),
     )
+
+
+def _reports(belief: Belief, anchor: str, after: int) -> float:
+    """Return how many of the looks but the first few should have reported an anchor that they did not report."""
+    looks = [event for event in belief.events if isinstance(event, Looked)][after:]
+    return sum(missed.p_reported for event in looks for missed in event.missed if missed.anchor == anchor)
 
 
 def _reported(here: list[Pose2], draws: Generator) -> list[Pose2 | None]:

@@ -1,6 +1,7 @@
 """Two filters to measure the smoother against, on the same logs: a plain EKF, and the UKF of filterpy.
 
-Both keep one vector (x, y, theta) of the base and of every object, world frame, and one dense covariance.
+Both keep one vector (x, y, theta) of the base and of every object that was told of, world frame, and one dense
+covariance. Of a log they take drives, and of looks what was seen of those objects.
 """
 
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ import numpy as np
 from filterpy.kalman import MerweScaledSigmaPoints, UnscentedKalmanFilter
 from numpy.typing import NDArray
 
-from skolem.estimation.events import Began, Looked, Moved
+from skolem.estimation.events import Began, Event, Looked, Moved, Sighting
 from skolem.estimation.se2 import Matrix, flat, symmetric
 from skolem.traces.messages import Pose2
 
@@ -20,8 +21,8 @@ Array = NDArray[np.float64]
 class Estimator(Protocol):
     """What the benchmark asks of every estimator."""
 
-    def take(self, event: Moved | Looked) -> None:
-        """Take in one event."""
+    def take(self, event: Event) -> None:
+        """Take in one event after the first, which is `Began`."""
 
     def base(self) -> tuple[Pose2, Matrix]:
         """Return world_T_base and its covariance, base frame."""
@@ -55,27 +56,31 @@ class _Filter:
         x, y, theta = (float(v) for v in seen)
         return (x, y, theta), into @ self.covariance[np.ix_(rows, rows)] @ into.T
 
-    def _measured(self, look: Looked) -> tuple[Array, Array]:
+    def _told(self, look: Looked) -> list[Sighting]:
+        """Return what a look shows of the objects that were told of."""
+        return [s for s in look.sightings if s.anchor in self.index]
+
+    def _measured(self, sightings: list[Sighting], camera: Matrix) -> tuple[Array, Array]:
         """Return what was seen, shape (3k,), and its covariance: each one's own, and the camera's common to all."""
-        seen = [np.array(s.camera_T_object) for s in look.sightings]
+        seen = [np.array(s.camera_T_object) for s in sightings]
         own = np.zeros((3 * len(seen), 3 * len(seen)))
         common = np.zeros((3 * len(seen), 3))
-        for i, (pose, s) in enumerate(zip(seen, look.sightings, strict=True)):
+        for i, (pose, s) in enumerate(zip(seen, sightings, strict=True)):
             turn = _rotation(float(pose[2]))
             own[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = turn @ symmetric(s.covariance) @ turn.T
             common[3 * i : 3 * i + 3] = np.array([[-1.0, 0.0, pose[1]], [0.0, -1.0, -pose[0]], [0.0, 0.0, -1.0]])
-        return np.concatenate(seen), own + common @ symmetric(look.camera_covariance) @ common.T
+        return np.concatenate(seen), own + common @ camera @ common.T
 
 
 class Ekf(_Filter):
     """The textbook's extended Kalman filter, NumPy alone."""
 
-    def take(self, event: Moved | Looked) -> None:
+    def take(self, event: Event) -> None:
         """Take in one event."""
         if isinstance(event, Moved):
             self._move(event)
-        elif event.sightings:
-            self._look(event)
+        elif isinstance(event, Looked) and (sightings := self._told(event)):
+            self._look(sightings, symmetric(event.camera_covariance))
 
     def _move(self, event: Moved) -> None:
         x, y, _ = event.start_T_end
@@ -87,11 +92,11 @@ class Ekf(_Filter):
         self.covariance[:, :3] = self.covariance[:, :3] @ jacobian.T
         self.covariance[:3, :3] += np.diag([event.sd_m**2, event.sd_m**2, event.sd_rad**2])
 
-    def _look(self, event: Looked) -> None:
-        z, noise = self._measured(event)
+    def _look(self, sightings: list[Sighting], camera: Matrix) -> None:
+        z, noise = self._measured(sightings, camera)
         jacobian = np.zeros((len(z), len(self.mean)))
         off = np.empty(len(z))
-        for i, s in enumerate(event.sightings):
+        for i, s in enumerate(sightings):
             at, rows = self.index[s.anchor], slice(3 * i, 3 * i + 3)
             expected, slope = _seen(self.mean[:3], self.mean[at : at + 3])
             jacobian[rows, :3], jacobian[rows, at : at + 3] = slope[:, :3], slope[:, 3:]
@@ -124,16 +129,16 @@ class Ukf(_Filter):
         )
         self.filter.x, self.filter.P = self.mean, self.covariance
 
-    def take(self, event: Moved | Looked) -> None:
+    def take(self, event: Event) -> None:
         """Take in one event."""
         if isinstance(event, Moved):
             noise = np.zeros_like(self.covariance)
             noise[:3, :3] = np.diag([event.sd_m**2, event.sd_m**2, event.sd_rad**2])
             self.filter.Q = noise
             self.filter.predict(start_T_end=event.start_T_end)
-        elif event.sightings:
-            z, noise = self._measured(event)
-            places = [self.index[s.anchor] for s in event.sightings]
+        elif isinstance(event, Looked) and (sightings := self._told(event)):
+            z, noise = self._measured(sightings, symmetric(event.camera_covariance))
+            places = [self.index[s.anchor] for s in sightings]
             self.filter.update(z, R=noise, hx=lambda state: _all_seen(state, places))
         self.mean, self.covariance = wrapped(self.filter.x), self.filter.P
 

@@ -1,7 +1,7 @@
-"""Errors of the belief along runs in the simulators: from the trace of a whole run, or of a tour of looks."""
+"""Logs from runs in the simulators, each with the truth after its looks: tours of looks, and whole runs from traces."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,8 +10,12 @@ from numpy.random import PCG64, Generator, SeedSequence
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from benchmarks.estimator_peers import Estimator
+from benchmarks.estimator_scores import errors
+from benchmarks.headings import least_turn
 from skolem.estimation.belief import Belief
-from skolem.estimation.se2 import between, flat
+from skolem.estimation.events import Began, Event
+from skolem.estimation.se2 import Matrix, between, flat
 from skolem.estimation.se2 import log as tangent
 from skolem.sim.pybullet_world import PyBulletWorld
 from skolem.sim.scenario import prior, true_bodies
@@ -25,6 +29,7 @@ from skolem.traces.messages import (
     ActionResult,
     LookAt,
     MoveBase,
+    ObjectType,
     Observation,
     Pose2,
     Prior,
@@ -40,18 +45,48 @@ SAME_M = 0.15  # an anchor is of no true object that is farther from where it is
 
 
 @dataclass(frozen=True, slots=True)
-class Errors:
-    """Squared normalised errors after the looks of one run, and errors of places.
+class Moment:
+    """The truth after a look.
 
     Attributes:
-        base: Over (x, y, theta) in the world, shape (n,).
-        relative: Over (x, y) of each thing as seen from the base, shape (m,).
-        places_m: Of those places, shape (m,).
+        version: Number of events until then.
+        world_T_base: The true one.
+        things: The true thing that each anchor is of, of those that were told of and are not held.
+    """
+
+    version: int
+    world_T_base: Pose2
+    things: tuple[tuple[str, TrueObject], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """What a belief took in, and when it can be judged.
+
+    Attributes:
+        events: Of the belief, in order; the first is `Began`. Which detection is of which anchor is part of them.
+        moments: After each look.
+    """
+
+    events: tuple[Event, ...]
+    moments: tuple[Moment, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Errors of one estimator after the looks of one run.
+
+    Attributes:
+        base: What `errors` returns of the base in the world, shape (n, 5).
+        places: Of the place (x, y) of each graspable thing as seen from the base, shape (m, 4): squared error in m^2,
+            normalised one, and that of each axis.
+        headings: Of the heading of each box and table as seen from the base, as far as it shows, shape (k, 2): squared
+            error in rad^2, and normalised.
     """
 
     base: Array
-    relative: Array
-    places_m: Array
+    places: Array
+    headings: Array
 
 
 def record(scenario: Path, seed: int, world: WorldKind, trace: Path) -> None:
@@ -61,31 +96,29 @@ def record(scenario: Path, seed: int, world: WorldKind, trace: Path) -> None:
         session.run(setup, trace, watcher, Stopwatch(), session.Outcome())
 
 
-def along(trace: Trace) -> Errors:
-    """Return the errors of a belief that is fed with the inputs of a trace."""
+def along(trace: Trace) -> Recording:
+    """Return the log of a belief that is fed with the inputs of a trace."""
     told, truth, steps = _read(trace)
     belief = Belief(told)
-
-    def after_looks() -> Iterator[TrueState]:
-        for action, result, observation in steps:
-            belief.update(action, result, observation)
-            if observation.kind == "look":
-                yield truth[action.step + 1]
-
-    return _errors(belief, after_looks())
+    moments = []
+    for action, result, observation in steps:
+        belief.update(action, result, observation)
+        if observation.kind == "look":
+            moments.append(_moment(belief, told, truth[action.step + 1]))
+    return Recording(belief.events, tuple(moments))
 
 
-def touring(setup: session.Setup, seed: int) -> Errors:
-    """Return the errors of a belief whose robot drives about a little in PyBullet and looks at every table in turn."""
+def touring(setup: session.Setup, seed: int) -> Recording:
+    """Return the log of a robot that drives about a little in PyBullet and looks at every table in turn."""
     scenario, robot = setup.scenario, setup.scenario.robot
     start = (robot.base.x, robot.base.y, robot.base.theta)
     bodies, noise = true_bodies(scenario, setup.types), scenario.true_noise.message()
     world = PyBulletWorld(setup.types, bodies, start, robot.torso_m, noise, seed, lambda topic, message: None, False)
-    belief = Belief(prior(scenario, setup.types, seed, world.robot_state()))
+    told = prior(scenario, setup.types, seed, world.robot_state())
+    belief, moments = Belief(told), []
     draws = Generator(PCG64(SeedSequence([seed])))
     tables = [anchor for anchor in belief.anchors() if not belief.graspable(anchor)]
-
-    def after_looks() -> Iterator[TrueState]:
+    try:
         for turn in range(TOUR_LOOKS):
             x, y, theta = (float(v) for v in draws.uniform(-1.0, 1.0, 3) * ABOUT)
             _do(world, belief, 2 * turn, MoveBase(start_T_waypoint=((x, y, theta),)))
@@ -93,12 +126,50 @@ def touring(setup: session.Setup, seed: int) -> Errors:
             head = head_towards(robot.torso_m, np.array([bx, by, TOP_M]))
             if head is not None:
                 _do(world, belief, 2 * turn + 1, LookAt(pan=head[0], tilt=head[1]))
-                yield world.state(2 * turn + 2)
-
-    try:
-        return _errors(belief, after_looks())
+                moments.append(_moment(belief, told, world.state(2 * turn + 2)))
     finally:
         world.close()
+    return Recording(belief.events, tuple(moments))
+
+
+def judged(make: Callable[[Began], Estimator], recording: Recording, types: dict[str, ObjectType]) -> Errors:
+    """Return the errors of an estimator that is fed with a log.
+
+    Args:
+        make: Begins an estimator.
+        recording: The log.
+        types: Of true things: what of their heading shows.
+    """
+    began, *events = recording.events
+    assert isinstance(began, Began), "a log starts with what is told"
+    estimator, moments = make(began), {moment.version: moment for moment in recording.moments}
+    base, places, headings = [], [], []
+    for version, event in enumerate(events, start=2):
+        estimator.take(event)
+        if moment := moments.get(version):
+            base.append(errors(*estimator.base(), moment.world_T_base))
+            for anchor, thing in moment.things:
+                kind, believed = types[thing.type], estimator.relative(anchor)
+                seen = between(moment.world_T_base, flat(thing.world_T_object))
+                if kind.graspable:
+                    places.append(_place_errors(*believed, seen))
+                if kind.shape != "cylinder":
+                    headings.append(_heading_errors(*believed, seen, kind))
+    return Errors(np.array(base), np.array(places).reshape(-1, 4), np.array(headings).reshape(-1, 2))
+
+
+def _place_errors(mean: Pose2, covariance: Matrix, seen: Pose2) -> tuple[float, ...]:
+    """Return the squared error, the squared normalised one, and that of each axis."""
+    off = tangent(between(mean, (seen[0], seen[1], mean[2])))[:2]
+    own = covariance[:2, :2]
+    axes = np.square(off) / np.diag(own)
+    return (float(off @ off), float(off @ np.linalg.solve(own, off)), *(float(v) for v in axes))
+
+
+def _heading_errors(mean: Pose2, covariance: Matrix, seen: Pose2, kind: ObjectType) -> tuple[float, float]:
+    """Return the squared error and the squared normalised one, of the heading as far as it shows."""
+    off = least_turn(seen[2] - mean[2], kind)
+    return off**2, off**2 / float(covariance[2, 2])
 
 
 def _do(world: PyBulletWorld, belief: Belief, step: int, command: MoveBase | LookAt) -> None:
@@ -106,20 +177,10 @@ def _do(world: PyBulletWorld, belief: Belief, step: int, command: MoveBase | Loo
     belief.update(action, *world.execute(action))
 
 
-def _errors(belief: Belief, after_looks: Iterator[TrueState]) -> Errors:
-    """Return the errors of a belief whenever there is a truth to compare it with."""
-    base, relative, places = [], [], []
-    for true in after_looks:
-        now = belief.snapshot(true.step)
-        base.append(_squared(now.world_T_base, _full(now.base_covariance), true.world_T_base))
-        for anchor, item in _pairs(belief, true):
-            believed = belief.gaussian("pose", anchor)
-            x, y, theta = (float(v) for v in believed.mean)
-            seen = between(true.world_T_base, flat(item.world_T_object))
-            off = tangent(between((x, y, theta), (seen[0], seen[1], theta)))[:2]
-            relative.append(float(off @ np.linalg.solve(believed.covariance[:2, :2], off)))
-            places.append(float(np.hypot(*off)))
-    return Errors(np.array(base), np.array(relative), np.array(places))
+def _moment(belief: Belief, told: Prior, true: TrueState) -> Moment:
+    names = {item.anchor for item in told.objects}
+    pairs = tuple((anchor, item) for anchor, item in _pairs(belief, true) if anchor in names)
+    return Moment(belief.version, true.world_T_base, pairs)
 
 
 def _read(trace: Trace) -> tuple[Prior, dict[int, TrueState], list[tuple[Action, ActionResult, Observation]]]:
@@ -155,7 +216,7 @@ def _pairs(belief: Belief, true: TrueState) -> Iterator[tuple[str, TrueObject]]:
     loose = [item for item in true.objects if item.in_hand is None]
     for kind in sorted({item.type for item in loose}):
         items = [item for item in loose if item.type == kind]
-        listed = [(name, now.objects[name]) for name in belief.anchors() if belief.graspable(name)]
+        listed = [(name, now.objects[name]) for name in belief.anchors()]
         anchors = [
             (a, o) for a, o in listed if o.in_hand is None and max(sorted(o.type), key=o.type.__getitem__) == kind
         ]
@@ -164,14 +225,3 @@ def _pairs(belief: Belief, true: TrueState) -> Iterator[tuple[str, TrueObject]]:
         )
         rows, columns = linear_sum_assignment(np.minimum(apart.reshape(len(anchors), len(items)), SAME_M))
         yield from ((anchors[i][0], items[j]) for i, j in zip(rows, columns, strict=True) if apart[i, j] < SAME_M)
-
-
-def _squared(mean: Pose2, covariance: Array, truth: Pose2) -> float:
-    off = tangent(between(mean, truth))
-    return float(off @ np.linalg.solve(covariance, off))
-
-
-def _full(upper: tuple[float, ...]) -> Array:
-    full = np.zeros((3, 3))
-    full[np.triu_indices(3)] = upper
-    return full + full.T - np.diag(np.diag(full))

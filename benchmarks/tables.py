@@ -4,7 +4,7 @@ import os
 import platform
 import re
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -68,7 +68,7 @@ class Table:
 def write(table: Table, page: Path = PAGE) -> None:
     """Put a section into the page, in the place of the one of the same title, or at the end."""
     text = page.read_text(encoding="utf-8") if page.exists() else INTRODUCTION
-    name = re.sub(r"\W+", "-", table.title.lower()).strip("-")
+    name = _name(table.title)
     begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
     section = f"{begin}\n{table}\n{end}\n"
     before, found, rest = text.partition(f"{begin}\n")
@@ -76,15 +76,33 @@ def write(table: Table, page: Path = PAGE) -> None:
     page.write_text(text, encoding="utf-8")
 
 
+def keep_only(titles: Collection[str], page: Path = PAGE) -> None:
+    """Take the sections out of the page that have none of these titles."""
+    names = {_name(title) for title in titles}
+
+    def kept(section: re.Match[str]) -> str:
+        return section[0] if section[1] in names else ""
+
+    text = page.read_text(encoding="utf-8")
+    text = re.sub(r"\n<!-- begin (\S+) -->\n.*?<!-- end \1 -->\n", kept, text, flags=re.DOTALL)
+    page.write_text(text, encoding="utf-8")
+
+
+def _name(title: str) -> str:
+    """Return what the markers of a section are called."""
+    return re.sub(r"\W+", "-", title.lower()).strip("-")
+
+
 def _row(cells: Sequence[object]) -> str:
     return f"| {' | '.join(map(str, cells))} |"
 
 
 def _where() -> str:
-    """Return commit and machine."""
-    git = ["git", "-C", str(ROOT)]
+    """Return commit and machine; the page itself, which is being rewritten, is no local change."""
+    git, others = ["git", "-C", str(ROOT)], [".", f":(exclude){PAGE.relative_to(ROOT)}"]
     commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
-    dirty = subprocess.run([*git, "status", "--porcelain"], capture_output=True, text=True, check=False).stdout
+    status = [*git, "status", "--porcelain", "--", *others]
+    dirty = subprocess.run(status, capture_output=True, text=True, check=False).stdout
     changed = " with local changes" if dirty.strip() else ""
     machine = f"{platform.machine()}, {os.cpu_count()} cores, {_processor()}"
     return f"commit {commit.stdout.strip() or 'unknown'}{changed}; {machine}; Python {platform.python_version()}"
