@@ -5,6 +5,7 @@ that were given up and why; never about joint values. The figures over hundreds 
 stand in docs/results.md; the seeds here are few, so that the tests stay short.
 """
 
+import re
 import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from skolem.tools.planners import WorldKind
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.messages import (
+    HANDS,
     Action,
     ActionResult,
     Belief,
@@ -93,9 +95,19 @@ class Run:
         """Return every time the stack was popped to the top because no pre-image held."""
         return [plan for plan in self.plans if plan.cause == "preimage_lost" and not plan.layers]
 
+    def asked(self, activity: str, anchor: str) -> list[Geometry]:
+        """Return the geometric questions about an activity with an object, whichever hand is to do it, in order."""
+        return [question for question in self.questions if _about(question) == (activity, anchor)]
+
     def known(self) -> tuple[str, ...]:
         """Return the anchors known at the start."""
         return self.beliefs[0].anchors
+
+
+def _about(question: Geometry) -> tuple[str, str]:
+    """Return the activity of a question like `ready pick(left, sodaC)`, and the object or region it begins with."""
+    _, activity, *args = re.findall(r"\w+", question.query)
+    return activity, next(arg for arg in args if arg not in HANDS)
 
 
 @cache

@@ -8,12 +8,14 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
 import pytest
+from distributed import Client
 
 from skolem.tools import cli, session
 from skolem.tools.sweep_rows import Row, results_csv, times_csv
@@ -233,7 +235,36 @@ def dask(*args: str) -> list[str]:
     return [sys.executable, "-m", "dask", *args, "--host", HOST, "--no-dashboard"]
 
 
+Transitions = list[tuple[str, str, str]]  # run, state before, state after
+
+
+def transitions_of(client: Client) -> Transitions:
+    """Return what became of each run, as the scheduler recorded it."""
+    recorded = client.run_on_scheduler(lambda dask_scheduler: [entry[:3] for entry in dask_scheduler.transition_log])
+    return [(str(run), before, after) for run, before, after in recorded]
+
+
+def stopped_at_work(client: Client, workers: dict[str, subprocess.Popen[str]]) -> tuple[str, str]:
+    """Stop a worker in the middle of a run; return its name and the run.
+
+    What a worker said before it was stopped is given time to arrive: if it was of the end of the run, the worker goes
+    on and another moment is waited for.
+    """
+    for attempt in range(1000):
+        name = sorted(workers)[attempt % len(workers)]
+        workers[name].send_signal(signal.SIGSTOP)
+        time.sleep(0.2)
+        at_work = {info["name"]: address for address, info in client.scheduler_info(n_workers=-1)["workers"].items()}
+        runs = client.processing()[at_work[name]]
+        if runs:
+            return name, str(runs[0])
+        workers[name].send_signal(signal.SIGCONT)
+        time.sleep(0.05)
+    raise AssertionError("no worker was ever at work")
+
+
 def test_a_worker_that_is_killed_takes_no_run_along(by_two: Path, tmp_path: Path) -> None:
+    """Two workers have joined; the one that dies is at work, half-way through the sweep; the other does its run."""
     out = tmp_path / "out"
     with socket.socket() as free:
         free.bind((HOST, 0))
@@ -242,18 +273,27 @@ def test_a_worker_that_is_killed_takes_no_run_along(by_two: Path, tmp_path: Path
     worker = dask("worker", address, "--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path))
     with (
         started(dask("scheduler", "--port", str(port)), quiet=True),
-        started(worker, quiet=True) as doomed,
-        started(worker, quiet=True),
-        started(sweep(out, "--seeds", "0-5", "--scheduler", address)) as process,
+        started([*worker, "--name", "a"], quiet=True) as a,
+        started([*worker, "--name", "b"], quiet=True) as b,
+        Client(address, timeout=BOUND_S, set_as_default=False) as client,
     ):
-        first = process.stderr.readline()  # type: ignore[union-attr]
-        doomed.kill()
-        _, err = process.communicate()
+        client.wait_for_workers(2, timeout=BOUND_S)
+        with started(sweep(out, "--seeds", "0-5", "--scheduler", address)) as process:
+            lines = [process.stderr.readline() for _ in range(2)]  # type: ignore[union-attr]
+            name, run = stopped_at_work(client, {"a": a, "b": b})
+            {"a": a, "b": b}[name].kill()
+            _, err = process.communicate()
+        transitions = transitions_of(client)
+        assert {info["name"] for info in client.scheduler_info(n_workers=-1)["workers"].values()} == {"a", "b"} - {name}
     assert process.returncode == 1, err
-    lines = [first, *err.splitlines()]
+    lines += err.splitlines()
     assert sorted(line.split("seed ")[1][0] for line in lines if line.startswith("[")) == list("012345")
     assert [row["status"] for row in table(out)] == ["limit_reached"] * 6
     assert table(out)[:4] == table(by_two)
+    finished = [key for key, before, after in transitions if (before, after) == ("processing", "memory")]
+    begun = [key for key, before, after in transitions if after == "processing" != before]
+    assert len(finished) == len(set(finished)) == 6
+    assert begun.count(run) == 2
 
 
 def test_a_scheduler_that_is_not_there_is_bad_input(

@@ -1,8 +1,26 @@
 """B10: KRD(A) is true if and only if A is an internal anchor; every operation on an object needs it."""
 
-import pytest
-from papers import NINE, STANDS, Handler, at_five_percent, can, only, planned, posed, preconditions, results, seen_as
+from pathlib import Path
 
+import pytest
+from papers import (
+    NINE,
+    STANDS,
+    Handler,
+    at_five_percent,
+    can,
+    only,
+    planned,
+    posed,
+    preconditions,
+    results,
+    seen_as,
+    shipped,
+    with_own_rules,
+)
+
+from skolem.reasoner.fluent_kinds import COMMANDS
+from skolem.reasoner.linting import findings
 from skolem.reasoner.terms import parse_term
 
 GOAL = "exists o. B(Den(lambda x. Soda(x) & Green(x) & Heavy(x), o), 0.9) & B(On(o, table1), 0.9)"
@@ -12,6 +30,8 @@ OPERATIONS = {
     "pick": "holding({})",
     "place": "b(on({},table1),105361)",
 }
+
+ON_OBJECTS = sorted(command for command in COMMANDS if "object" in command)
 
 
 def robot() -> Handler:
@@ -41,6 +61,37 @@ def test_every_operation_on_an_object_needs_it_before_anything_else(operator: st
     operations = [i for i in offered if str(i.executes).startswith(operator)]
     assert operations
     assert all(("krd(given)", 0) in preconditions(i) for i in operations)
+
+
+def test_these_are_all_the_operations_on_objects_there_are() -> None:
+    """ "Any operation on an object": whoever adds one adds it here."""
+    assert {command.partition("(")[0] for command in ON_OBJECTS} == set(OPERATIONS)
+
+
+def test_no_shipped_rule_for_an_operation_on_an_object_is_without_it() -> None:
+    """ "A precondition for any operation on an object": by reflection over every rule that executes something."""
+    assert [finding for finding in findings(shipped()) if finding.code == "without_krd"] == []
+
+
+@pytest.mark.parametrize("command", ON_OBJECTS)
+def test_a_rule_for_any_operation_on_an_object_that_lacks_it_is_found(command: str, tmp_path: Path) -> None:
+    """ "We know a rigid designator for it": the reflection sees every command."""
+    arguments = {"hand": "right", "object,object": "O, S", "object": "O", "any": "nothing"}
+    executed = command
+    for sort, written in arguments.items():
+        executed = executed.replace(sort, written)
+    rule = "step(X), X = shove(O, S)"
+    text = (
+        "step(shove(O, S)) :- goal(b(on(O, S), _)), @rigid(S) = 1.\n"
+        f"result(X, b(on(O, S), P)) :- {rule}, goal(b(on(O, S), P)).\n"
+        f"executes(X, {executed}) :- {rule}.\n"
+        f"precond(X, loose(O), 0) :- {rule}.\n"
+    )
+    book = with_own_rules(tmp_path, text)
+    found = [f.fault.line for f in findings(book) if f.code == "without_krd"]
+    assert found == [3]
+    krd = f"precond(X, krd(O), 0) :- {rule}.\n"
+    assert [f for f in findings(with_own_rules(tmp_path, text + krd)) if f.code == "without_krd"] == []
 
 
 def test_no_operation_can_be_carried_out_on_what_is_not_an_anchor() -> None:

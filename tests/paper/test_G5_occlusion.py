@@ -24,7 +24,7 @@ def test_what_is_hidden_at_first_is_found_over_seeds() -> None:
     """ "Searching the space around it ... in the presence of substantial occlusion"."""
     runs = over("occluded", SEEDS)
     achieved = [run for run in runs if run.achieved]
-    assert len(achieved) > len(runs) / 2
+    assert len(achieved) >= len(runs) - 1
     for run in achieved:
         assert_found_behind_the_box(run)
 
