@@ -12,12 +12,15 @@ from typing import Final
 
 from clingo.ast import AST, ASTType
 
+from skolem.reasoner.examination import Doubt, Examined
 from skolem.reasoner.fluent_kinds import COMMANDS, FLUENTS, pattern, shape, sorted_pattern
 from skolem.reasoner.instances import title
+from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import ANY, Compound, Term
-from skolem.reasoner.validate import OUTPUT, RuleFile
+from skolem.reasoner.validate import OUTPUT, Signature
+from skolem.reasoner.vocabulary import Vocabulary
 from skolem.traces.errors import Fault, InputError
 
 CODES: Final = {  # what may be allowed -> what it is about
@@ -27,6 +30,14 @@ CODES: Final = {  # what may be allowed -> what it is about
     "without_result": "a step that brings nothing about",
     "level_gap": "preconditions whose levels leave one out",
     "unobservable": "a property for which no operator yields the quantity",
+}
+_TURNS_ON: Final[dict[str, frozenset[Signature]]] = {  # predicates of which a rule more could take a finding back
+    "unreachable": frozenset({("result", 2)}),
+    "unused_result": frozenset({("precond", 3)}),
+    "without_krd": frozenset({("precond", 3)}),
+    "without_result": frozenset({("result", 2)}),
+    "level_gap": frozenset({("precond", 3)}),
+    "unobservable": frozenset({("result", 2), ("executes", 2), ("measures", 2)}) | OUTPUT,
 }
 NOT_A_FLUENT: Final = "not_a_fluent"  # never allowed: a run would stop at it
 _ALLOW: Final = re.compile(r"%\s*allow (?P<code>\w+): (?P<reason>\S.*)")
@@ -50,14 +61,20 @@ class Finding:
     allowed: str = ""
 
 
-def findings(rulebook: Rulebook) -> list[Finding]:
-    """Return everything to be said about rules that passed validation, sorted by place, what is allowed too."""
-    files = _files(rulebook)
-    shapes = shapes_of(files)
+def findings(rules: Rulebook | Examined) -> list[Finding]:
+    """Return everything to be said about rules, sorted by place, what is allowed too.
+
+    Of rules with faults only what holds whatever is done about these.
+    """
+    doubt = rules.doubt if isinstance(rules, Examined) else Doubt()
+    files = _files(rules)
+    shapes = shapes_of(files, doubt.uncertain)
     wrong = list(_wrong(shapes, files))
     sources = [source for source, _, _ in wrong]
-    doubtful = [*_unreachable(shapes), *_unused(shapes), *_steps(shapes), *_unobservable(shapes, files, rulebook)]
-    found = wrong + [finding for finding in doubtful if finding[0] not in sources]
+    doubtful = [*_unreachable(shapes), *_unused(shapes), *_steps(shapes)]
+    doubtful += _unobservable(shapes, files, rules.vocabulary, doubt.words)
+    sure = [finding for finding in doubtful if not doubt.about(_TURNS_ON[finding[1]])]
+    found = wrong + [finding for finding in sure if finding[0] not in sources]
     return sorted({Finding(source.fault(message), code, _allowance(source, code)) for source, code, message in found})
 
 
@@ -73,8 +90,8 @@ def refuse_wrong(rulebook: Rulebook) -> None:
         raise InputError(faults)
 
 
-def _files(rulebook: Rulebook) -> Files:
-    return [(file, found) for file, found in rulebook.sources if file.name not in _LEFT_OUT]
+def _files(rules: Rulebook | Examined) -> Files:
+    return [(file, found) for file, found in rules.sources if file.name not in _LEFT_OUT]
 
 
 _Found = Iterator[tuple[Source, str, str]]
@@ -165,7 +182,8 @@ def _unreachable(shapes: Shapes) -> _Found:
     given = [args[1] for args, _ in _all(shapes, "result", 2)]
     for source, fluents in _by_source(shapes, "precond", 3):
         if all(meet(fluent, other) is None for fluent in fluents for other in given):
-            yield source, "unreachable", f"nothing brings about {_shapes(fluents)}: it holds, or the step is not taken"
+            remedy = "it holds, or the step is not taken; let a step have it as its result"
+            yield source, "unreachable", f"nothing brings about {_shapes(fluents)}: {remedy}"
 
 
 def _unused(shapes: Shapes) -> _Found:
@@ -173,7 +191,8 @@ def _unused(shapes: Shapes) -> _Found:
     wanted += [pattern(text) for text, (_, by_goal) in FLUENTS.items() if by_goal]
     for source, fluents in _by_source(shapes, "result", 2):
         if all(meet(fluent, other) is None for fluent in fluents for other in wanted):
-            yield source, "unused_result", f"nothing needs {_shapes(fluents)}, and no goal can ask for it"
+            remedy = "let a step need it, by precond/3, or leave it out"
+            yield source, "unused_result", f"nothing needs {_shapes(fluents)}, and no goal can ask for it; {remedy}"
 
 
 def _by_source(shapes: Shapes, name: str, arity: int) -> Iterator[tuple[Source, list[Term]]]:
@@ -201,13 +220,15 @@ def _steps(shapes: Shapes) -> _Found:
     for (step,), source in _all(shapes, "step", 1):
         places.setdefault(_functor(step), source)
     for name, source in places.items():
-        if name not in results and name != ANY:
-            yield source, "without_result", f"{name} has no result: it is never taken"
-        levels = {args[2] for args, _ in _all(shapes, "precond", 3) if _functor(args[0]) == name}
+        if name not in results and ANY not in (name, *results):
+            remedy = f"state what it does by result(S, F) :- step(S), S = {_written(step)}, .."
+            yield source, "without_result", f"{name} has no result: it is never taken; {remedy}"
+        levels = {args[2] for args, _ in _all(shapes, "precond", 3) if _functor(args[0]) in (name, ANY)}
         numbers = sorted(level for level in levels if isinstance(level, int))
         missing = sorted(set(range(numbers[0], numbers[-1])) - set(numbers)) if numbers else []
         if missing:
-            yield source, "level_gap", f"{name} has no precondition of level {', '.join(map(str, missing))}"
+            gap = f"{name} has no precondition of level {', '.join(map(str, missing))}"
+            yield source, "level_gap", f"{gap}; number them without a gap, from {numbers[0]}"
     yield from _without_krd(shapes)
 
 
@@ -218,28 +239,31 @@ def _without_krd(shapes: Shapes) -> _Found:
     for (step, command), source in _all(shapes, "executes", 2):
         name = _functor(step)
         on_object = any(isinstance(c, Compound) and "object" in c.args for c in _known_commands(command))
-        if on_object and name not in sure and name not in reported:
+        if on_object and name not in reported and sure.isdisjoint((name, ANY)):
             reported.add(name)
-            yield source, "without_krd", f"{name} acts on an object but has no precond(S, krd(O), 0)"
+            yield source, "without_krd", f"{name} acts on an object but has no precond(S, krd(O), 0); add it"
 
 
 # ---------------------------------------------------------------- words
 
 
-def _unobservable(shapes: Shapes, files: Files, rulebook: Rulebook) -> _Found:
+def _unobservable(shapes: Shapes, files: Files, vocabulary: Vocabulary, incomplete: bool) -> _Found:
     operators = {_functor(args[0]) for args, _ in _all(shapes, "executes", 2)}
     seen = [fluent for (step, fluent), _ in _all(shapes, "result", 2) if _functor(step) in operators]
     measured = [(args, source) for args, source in _all(shapes, "measures", 2)]
     for (word, quantity), source in measured:
         if isinstance(quantity, str) and quantity != ANY and not any(_gives(fluent, quantity) for fluent in seen):
-            yield source, "unobservable", f"no operator yields the {quantity} of an object"
-        if word != ANY and word not in rulebook.vocabulary.meanings:
+            fluent = "b(type(O, T), P)" if quantity == "type" else f"bn({quantity}(O), V, S, T, P)"
+            remedy = f"let a step that is carried out have the result {fluent}, or measure another quantity"
+            yield source, "unobservable", f"no operator yields the {quantity} of an object; {remedy}"
+        if word != ANY and word not in vocabulary.meanings and not incomplete:
             yield source, "unobservable", f"{word} is measured but has no meaning: state what it is, as colour/7 does"
-    for word, meaning in rulebook.vocabulary.meanings.items():
+    for word, meaning in vocabulary.meanings.items():
         fact = Compound("", (word, meaning.quantity))
         if all(meet(Compound("", args), fact) is None for args, _ in measured):
+            remedy = f"state measures({word}, {meaning.quantity})."
             for source in _facts(files, word):
-                yield source, "unobservable", f"no measures({word}, {meaning.quantity}): nothing says how to observe it"
+                yield source, "unobservable", f"nothing says how to observe it; {remedy}"
 
 
 def _gives(fluent: Term, quantity: str) -> bool:
@@ -265,6 +289,11 @@ def _all(shapes: Shapes, name: str, arity: int) -> Iterator[tuple[tuple[Term, ..
     for args, sources in shapes.of(name, arity).items():
         for source in sources:
             yield args, source
+
+
+def _written(term: Term) -> str:
+    """Return a pattern as a rule may have it."""
+    return str(Compound(term.name, ("_",) * len(term.args))) if isinstance(term, Compound) else str(term)
 
 
 def _functor(term: Term) -> str:

@@ -11,10 +11,10 @@ from clingo.ast import AST, ASTType
 
 from skolem.reasoner.fluent_kinds import FLUENTS, pattern, shape
 from skolem.reasoner.queries import Queries
+from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import Compound, Term, prob
-from skolem.reasoner.validate import RuleFile
 from skolem.reasoner.vocabulary import WORD_FACTS, Vocabulary
 from skolem.traces.messages import HsvVolume, TypeIs, WeightInterval
 

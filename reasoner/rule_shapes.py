@@ -11,8 +11,9 @@ from typing import Final
 
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
+from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.terms import ANY, Compound, Term, from_symbol
-from skolem.reasoner.validate import INPUT, OUTPUT, RuleFile, Signature, signatures
+from skolem.reasoner.validate import INPUT, OUTPUT, Signature, signatures
 from skolem.traces.errors import Fault
 
 _DEEPEST: Final = 5  # deeper terms are cut off, so that there are finitely many
@@ -56,9 +57,11 @@ class Shapes:
     """Argument patterns by predicate.
 
     Attributes:
+        open: Predicates of which anything may hold, whatever is derived.
         derived: By predicate, every pattern of its arguments with the rules that give it, in order of appearance.
     """
 
+    open: frozenset[Signature] = _OPEN
     derived: dict[Signature, dict[Tuple, list[Source]]] = field(default_factory=dict)
 
     def of(self, name: str, arity: int) -> Mapping[Tuple, Sequence[Source]]:
@@ -74,12 +77,17 @@ class Shapes:
         return True
 
 
-def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]]) -> Shapes:
-    """Return all that rule files which passed validation can derive."""
+def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozenset[Signature] = frozenset()) -> Shapes:
+    """Return all that rule files can derive whose statements are as they should be.
+
+    Args:
+        files: Each file with its statements.
+        uncertain: Predicates of which rules may be missing: anything may stand there.
+    """
     rules = [Source.of(file, s) for file, statements in files for s in statements if s.ast_type is ASTType.Rule]
     constants = frozenset(s.name for _, found in files for s in found if s.ast_type is ASTType.Definition)
     needs = {source: set(_needed(source.statement)) for source in rules}
-    shapes = Shapes()
+    shapes = Shapes(_OPEN | uncertain)
     due = rules
     while due:
         changed = {
@@ -126,7 +134,7 @@ def _matched(atom: AST, binding: Binding, shapes: Shapes, constants: frozenset[s
         yield binding
         return
     signature = (atom.name, len(atom.arguments))
-    for args in [(ANY,) * signature[1]] if signature in _OPEN else shapes.of(*signature):
+    for args in [(ANY,) * signature[1]] if signature in shapes.open else shapes.of(*signature):
         new: Binding | None = dict(binding)
         for argument, value in zip(atom.arguments, args, strict=True):
             new = None if new is None else _bound(argument, value, new, constants)
@@ -149,8 +157,10 @@ def _compared(comparison: AST, binding: Binding, constants: frozenset[str]) -> I
     if left.name in binding:
         for target in right.arguments if right.ast_type is ASTType.Pool else [right]:
             new = _bound(target, binding[left.name], dict(binding), constants)
-            if new is not None:
-                yield new
+            for value in () if new is None else _patterns(target, new, constants):
+                joined = meet(binding[left.name], value)
+                if new is not None and joined is not None:
+                    yield new | {left.name: joined}
         return
     for value in _patterns(right, binding, constants):
         yield binding | {left.name: value}

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any, Final
 
 import clingo
-from clingo import ast
-from clingo.ast import AST, ASTType
+from clingo.ast import AST
 
-from skolem.reasoner.questions import CLINGO_OPTIONS, Question, Questions
+from skolem.reasoner.examination import examine
+from skolem.reasoner.questions import Question, Questions
+from skolem.reasoner.rule_files import RuleFile, explain
 from skolem.reasoner.terms import Compound, Term, from_symbol, to_symbol
-from skolem.reasoner.validate import INPUT, OUTPUT, RuleFile, check, explain, parse, signatures
-from skolem.reasoner.vocabulary import WORD_FACTS, Place, Vocabulary, read_vocabulary
+from skolem.reasoner.vocabulary import Vocabulary
 from skolem.traces.errors import Fault, InputError, InternalError
 
 RULE_FILES: Final = (  # the table of contents of the folder rules/
@@ -95,15 +95,9 @@ class Rulebook:
         Raises:
             InputError: With every fault in every file.
         """
-        with ExitStack() as stack:
-            if folder is None:
-                place = resources.files("skolem.rules")
-                paths = [stack.enter_context(resources.as_file(place / f"{name}.lp")) for name in RULE_FILES]
-                shipped = [RuleFile(p.stem, f"rules/{p.name}", str(p), p.read_bytes(), own=False) for p in paths]
-            else:
-                paths = [folder / f"{name}.lp" for name in RULE_FILES]
-                shipped = [replace(file, own=False) for file in _own_files(paths, set())]
-        return cls.of(queries_type, [*shipped, *_own_files(extra, {file.name for file in shipped})])
+        sources, faults = rule_files(extra, folder)
+        _raise(faults)
+        return cls.of(queries_type, sources)
 
     @classmethod
     def of(cls, queries_type: type, sources: Sequence[RuleFile]) -> "Rulebook":
@@ -112,12 +106,11 @@ class Rulebook:
         Raises:
             InputError: With every fault in every file.
         """
-        parsed = [(file, *parse(file)) for file in sources]
-        _raise(fault for _, _, faults in parsed for fault in faults)
-        statements = {file.name: found for file, found, _ in parsed}
-        _raise(check([(file, statements[file.name]) for file in sources], queries_type))
-        vocabulary, warnings = _vocabulary(sources, statements)
-        book = cls(vocabulary, {f"{f.name}.lp": f.content for f in sources}, tuple(warnings), statements, sources)
+        examined = examine(sources, queries_type)
+        _raise(examined.faults)
+        statements = {file.name: found for file, found in examined.sources}
+        contents = {f"{file.name}.lp": file.content for file in sources}
+        book = cls(examined.vocabulary, contents, examined.warnings, statements, sources)
         weakref.finalize(
             book, _clear, statements, book._ready
         )  # at exit, syntax trees must be gone before clingo's library is
@@ -214,29 +207,28 @@ def _clear(*kept: dict[Any, Any]) -> None:
         each.clear()
 
 
-class _NoAnswers:
-    """Queries that know nothing: for reading facts."""
+def rule_files(extra: Sequence[Path] = (), folder: Path | None = None) -> tuple[list[RuleFile], list[Fault]]:
+    """Return the rule files that ship with the product and those of the user, and why some cannot be read.
 
-    def __getattr__(self, name: str) -> Callable[..., list[Term]]:
-        return lambda *_: []
-
-
-def _facts_alone(statements: Iterable[AST], messages: list[str]) -> clingo.Control:
-    """Return the rules grounded without any question; clingo's words are appended to `messages`."""
-    control = clingo.Control(list(CLINGO_OPTIONS), logger=lambda _code, text: messages.append(text), message_limit=100)
-    with ast.ProgramBuilder(control) as builder:
-        for statement in statements:
-            builder.add(statement)
-        ast.parse_string("".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT)), builder.add)
-    try:
-        control.ground([("base", [])], context=_NoAnswers())
-    except RuntimeError as error:
-        if not messages:
-            raise InternalError(f"clingo stopped: {error}") from error
-    return control
+    Args:
+        extra: A user's own rule files.
+        folder: Holds every file of `RULE_FILES`, to be used instead of those that ship; None for those.
+    """
+    faults: list[Fault] = []
+    if folder is None:
+        with ExitStack() as stack:
+            place = resources.files("skolem.rules")
+            paths = [stack.enter_context(resources.as_file(place / f"{name}.lp")) for name in RULE_FILES]
+            shipped = [RuleFile(p.stem, f"rules/{p.name}", str(p), p.read_bytes(), own=False) for p in paths]
+    else:
+        found, faults = _own_files([folder / f"{name}.lp" for name in RULE_FILES], set())
+        shipped = [replace(file, own=False) for file in found]
+    own, refused = _own_files(extra, {file.name for file in shipped})
+    return [*shipped, *own], faults + refused
 
 
-def _own_files(paths: Sequence[Path], taken: set[str]) -> list[RuleFile]:
+def _own_files(paths: Sequence[Path], taken: set[str]) -> tuple[list[RuleFile], list[Fault]]:
+    """Return the rule files at some paths, and why others are none."""
     found, faults = [], []
     for path in paths:
         try:
@@ -247,44 +239,11 @@ def _own_files(paths: Sequence[Path], taken: set[str]) -> list[RuleFile]:
         if path.suffix != ".lp":
             faults.append(Fault(str(path), 0, 0, "expected a rule file whose name ends in .lp"))
         elif file.name in taken:
-            faults.append(Fault(str(path), 0, 0, f"there is another rule file named {path.name}"))
+            faults.append(Fault(str(path), 0, 0, f"there is another rule file named {path.name}; rename one of them"))
+        else:
+            found.append(file)
         taken = taken | {file.name}
-        found.append(file)
-    _raise(faults)
-    return found
-
-
-def _vocabulary(sources: Sequence[RuleFile], statements: Mapping[str, Sequence[AST]]) -> tuple[Vocabulary, list[Fault]]:
-    """Return the words that the rules define without a goal, and warnings."""
-    messages: list[str] = []
-    control = _facts_alone([s for file in sources for s in statements[file.name]], messages)
-    _raise(explain(messages, sources))
-    places = _places(sources, statements)
-    facts = []
-    for signature in WORD_FACTS.items():
-        for atom in control.symbolic_atoms.by_signature(*signature):
-            fact = from_symbol(atom.symbol)
-            assert isinstance(fact, Compound)
-            facts.append((fact, places.get(str(fact)) or places[f"{signature[0]}/{signature[1]}"]))
-    vocabulary, faults, warnings = read_vocabulary(facts)
-    _raise(faults)
-    return vocabulary, warnings
-
-
-def _places(sources: Sequence[RuleFile], statements: Mapping[str, Sequence[AST]]) -> dict[str, Place]:
-    """Return where each word fact stands, by its text, and where each predicate of word facts is derived first."""
-    found: dict[str, Place] = {}
-    for file in sources:
-        for statement in statements[file.name]:
-            if statement.ast_type is not ASTType.Rule:
-                continue
-            head = statement.head
-            for name, arity in OUTPUT.intersection(signatures(head.atom)):
-                begin = statement.location.begin
-                place = Place(file.title, begin.line, begin.column, file.own)
-                found.setdefault(str(head).replace(" ", ""), place)
-                found.setdefault(f"{name}/{arity}", place)
-    return found
+    return found, faults
 
 
 def _raise(faults: Iterable[Fault]) -> None:

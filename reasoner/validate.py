@@ -6,7 +6,6 @@ or an aggregate. What comes in and goes out is named; whatever else is used must
 
 import inspect
 import operator
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -15,6 +14,7 @@ from typing import Any, Final
 from clingo import SymbolType, ast
 from clingo.ast import AST, ASTType
 
+from skolem.reasoner.rule_files import GREATEST, RuleFile
 from skolem.reasoner.vocabulary import WORD_FACTS
 from skolem.traces.errors import Fault
 
@@ -24,9 +24,6 @@ INPUT: Final[frozenset[Signature]] = frozenset(
     {("goal", 1), ("posed", 1), ("open", 1), ("lambda", 3)}
 )  # given as facts
 OUTPUT: Final[frozenset[Signature]] = frozenset(WORD_FACTS.items())  # read without `#show`
-MAX_BYTES: Final = 200_000
-GREATEST: Final = 2**31 - 1  # clingo counts in 32 bits and wraps without a word
-
 _ALLOWED: Final = frozenset(
     {ASTType.Rule, ASTType.Comment, ASTType.ShowSignature, ASTType.ShowTerm, ASTType.Defined, ASTType.Definition}
 )
@@ -63,107 +60,44 @@ WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and the terms that stand 
     }
 )
 _PERHAPS_NUMBERS: Final = frozenset({ASTType.SymbolicTerm, ASTType.Function, ASTType.BinaryOperation})
-_SKIPPED_OR_TOKEN: Final = re.compile(
-    r"""%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\])*"|(?P<include>\#include\b)|(?<![\w'])(?P<number>[1-9]\d*)\b""", re.DOTALL
-)
 _ARITHMETIC: Final[dict[int, Callable[[int, int], int]]] = {
     ast.BinaryOperator.Plus: operator.add,
     ast.BinaryOperator.Minus: operator.sub,
     ast.BinaryOperator.Multiplication: operator.mul,
 }
-_MESSAGE: Final = re.compile(r"(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: (?P<kind>\w+): (?P<text>.*)")
-_UNSAFE: Final = re.compile(r":(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: note: '(?P<name>.+?)' is unsafe")
 
 
 @dataclass(frozen=True, slots=True)
-class RuleFile:
-    """One rule file.
+class Checked:
+    """What is wrong with statements, and what follows from that.
 
     Attributes:
-        name: Its name without `.lp`.
-        title: How faults call it.
-        path: Where it was read; clingo's messages carry it.
-        content: Its bytes.
-        own: Whether it is a user's own file.
+        faults: With their places.
+        refused: Statements that nothing more can be said of.
+        uncertain: Predicates of which some rules are missing, or may be once a fault is mended.
     """
 
-    name: str
-    title: str
-    path: str
-    content: bytes
-    own: bool
-
-    def fault(self, line: int, column: int, message: str) -> Fault:
-        """Return a fault in this file, with the line it is about."""
-        lines = self.content.decode(errors="replace").splitlines()
-        return Fault(self.title, line, column, message, excerpt=lines[line - 1] if 0 < line <= len(lines) else "")
+    faults: list[Fault]
+    refused: list[AST]
+    uncertain: frozenset[Signature]
 
 
-def parse(file: RuleFile) -> tuple[list[AST], list[Fault]]:
-    """Return the statements of a rule file, or the faults for which it cannot be parsed."""
-    if len(file.content) > MAX_BYTES:
-        return [], [Fault(file.title, 0, 0, f"a rule file of {len(file.content)} bytes; at most {MAX_BYTES} are read")]
-    try:
-        text = file.content.decode()
-    except UnicodeDecodeError as error:
-        return [], [Fault(file.title, 0, 0, f"not UTF-8: byte {error.start}")]
-    refused = [
-        file.fault(*_place(text, match.start()), message)
-        for match in _SKIPPED_OR_TOKEN.finditer(text)
-        if (message := _token_refusal(match))
-    ]
-    if refused:
-        return [], refused
-    statements: list[AST] = []
-    messages: list[str] = []
-    try:
-        ast.parse_files([file.path], statements.append, logger=lambda _code, message: messages.append(message))
-    except RuntimeError:
-        return [], explain(messages, [file])
-    return [s for s in statements if s.ast_type is not ASTType.Comment], explain(messages, [file])
-
-
-def _token_refusal(match: re.Match[str]) -> str:
-    """Return why a piece of text is not allowed, of which the syntax tree says nothing any more."""
-    if match["include"]:
-        return "#include is not allowed: name each file"
-    if match["number"] and int(match["number"]) > GREATEST:
-        return f"{match['number']} does not fit 32 bits: at most {GREATEST}"
-    return ""
-
-
-def explain(messages: Iterable[str], files: Sequence[RuleFile]) -> list[Fault]:
-    """Return what clingo's messages say about `files`, as faults."""
-    by_path = {file.path: file for file in files}
-    faults = []
-    for message in messages:
-        match = _MESSAGE.match(message)
-        if match is None or match["file"] not in by_path:
-            faults.append(Fault("rules", 0, 0, " ".join(message.split())))
-            continue
-        unsafe = list(_UNSAFE.finditer(message))
-        line, column = (unsafe[0] if unsafe else match).group("line", "column")
-        text = " ".join(message[match.start("text") :].split())
-        if unsafe:
-            names = ", ".join(dict.fromkeys(note["name"] for note in unsafe))
-            text = f"unsafe variable {names}: each must occur in a positive literal of the body"
-        faults.append(by_path[match["file"]].fault(int(line), int(column), text))
-    return faults
-
-
-def check(files: Sequence[tuple[RuleFile, Sequence[AST]]], queries_type: type) -> list[Fault]:
-    """Return every fault of rule files that could be parsed; they are judged together.
+def check(files: Sequence[tuple[RuleFile, Sequence[AST]]], queries_type: type, whole: bool = True) -> Checked:
+    """Return every fault of statements; those of all files are judged together.
 
     Args:
         files: Each file with its statements.
         queries_type: The class whose public methods are the @functions.
+        whole: Whether every file could be parsed; if not, nothing is said of names that are not defined or not used.
     """
     definitions = (s for _, statements in files for s in statements if s.ast_type is ASTType.Definition)
     seen = _Seen({s.name: value for s in definitions if (value := constant_value(s.value, {})) is not None})
     for file, statements in files:
         for statement in statements:
             seen.read(file, statement)
-    return [*seen.faults, *_check_calls(seen, queries_type), *_check_names(seen), *_check_stratified(seen)]
+    names = _check_names(seen, whole)
+    faults = [*seen.faults, *_check_calls(seen, queries_type), *names.faults, *_check_stratified(seen)]
+    return Checked(faults, seen.refused, names.uncertain | seen.missing)
 
 
 def signatures(atom: AST) -> list[Signature]:
@@ -190,10 +124,6 @@ def constant_value(node: AST, constants: Mapping[str, int]) -> int | None:
     return None
 
 
-def _place(text: str, offset: int) -> tuple[int, int]:
-    return text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset)
-
-
 @dataclass(frozen=True, slots=True)
 class _Use:
     """A predicate in a body; `strict` under `not`, in an aggregate or in a condition."""
@@ -216,22 +146,34 @@ class _Seen:
     depends: dict[Signature, set[Signature]] = field(default_factory=dict)
     strict: list[tuple[Signature, _Use]] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
+    refused: list[AST] = field(default_factory=list)
+    missing: set[Signature] = field(default_factory=set)  # what refused statements say something about
 
     def read(self, file: RuleFile, statement: AST) -> None:
         def at(node: Any) -> Callable[[str], Fault]:
             return lambda message: file.fault(node.location.begin.line, node.location.begin.column, message)
 
+        before = len(self.faults)
+        self._read(statement, at)
+        if len(self.faults) > before:
+            self.refused.append(statement)
+            about = statement.head if statement.ast_type is ASTType.Rule else statement
+            self.missing.update(use.signature for use in _uses(about, at, strict=False))
+
+    def _read(self, statement: AST, at: Callable[[Any], Callable[[str], Fault]]) -> None:
         kind = statement.ast_type
         if kind is ASTType.Program and statement.name == "base" and not statement.parameters:
             return
         if kind not in _ALLOWED:
-            self.faults.append(at(statement)(f"{_NAMES.get(kind, str(kind))} is not allowed in a rule file"))
+            self.faults.append(
+                at(statement)(f"{_NAMES.get(kind, str(kind))} is not allowed in a rule file; leave it out")
+            )
             return
         for node, its_kind in _descend(statement):
             if its_kind is ASTType.Function and node.external:
                 self.calls.append((node.name, len(node.arguments), at(node)))
             if its_kind is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
-                self.faults.append(at(node)(f"{node} is a text; rules are written in constants"))
+                self.faults.append(at(node)(f'{node} is a text; rules are written in constants: a_whim, not "a whim"'))
             value = constant_value(node, self.constants) if its_kind in _PERHAPS_NUMBERS else None
             if value is not None and abs(value) > GREATEST:
                 self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
@@ -318,25 +260,39 @@ def query_arities(queries_type: type) -> dict[str, int]:
     return {name: len(inspect.signature(f).parameters) - 1 for name, f in methods if not name.startswith("_")}
 
 
-def _check_names(seen: _Seen) -> Iterator[Fault]:
-    defined = {signature for signature, _ in seen.heads} | seen.declared | INPUT
-    wanted = {use.signature for use in seen.uses} | OUTPUT
+def _check_names(seen: _Seen, whole: bool) -> Checked:
+    """Return what is derived for nothing or asked for in vain; if some file is not whole, nobody can know."""
+    defined = {signature for signature, _ in seen.heads} | seen.declared | seen.missing | INPUT
+    wanted = {use.signature for use in seen.uses} | seen.missing | OUTPUT
+    faults: list[Fault] = []
+    uncertain: set[Signature] = set()
     for use in seen.uses:
         if use.signature not in defined:
-            yield use.place(f"{_text(use.signature)} is never defined{_near(use.signature, defined)}")
+            uncertain.add(use.signature)
+            remedy = _meant(_near(use.signature, defined)) or "define it by a rule"
+            faults += [use.place(f"{_text(use.signature)} is never defined; {remedy}")] if whole else []
     for signature, fault in seen.heads:
         if signature in INPUT:
-            yield fault(f"{_text(signature)} is given from outside and cannot be derived")
-        elif signature not in wanted:
-            yield fault(f"{_text(signature)} is never used{_near(signature, wanted | INPUT)}")
+            remedy = "give your predicate another name"
+            faults.append(fault(f"{_text(signature)} is given from outside and cannot be derived; {remedy}"))
+        elif whole and signature not in wanted:
+            near = _near(signature, wanted | INPUT)
+            remedy = _meant(near) or f"use it in a rule, leave it out, or hand it over by #show {_text(signature)}."
+            faults.append(fault(f"{_text(signature)} is never used; {remedy}"))
+            uncertain.update(near)
+    return Checked(faults, [], frozenset(uncertain))
 
 
-def _near(signature: Signature, known: Iterable[Signature]) -> str:
+def _near(signature: Signature, known: Iterable[Signature]) -> list[Signature]:
+    """Return the known predicates that may be meant: of the same name, else of names that look like it."""
     known = set(known) - {signature}
-    same_name = sorted(_text(other) for other in known if other[0] == signature[0])
+    same_name = sorted(other for other in known if other[0] == signature[0])
     close = get_close_matches(signature[0], sorted({name for name, _ in known}), 2)
-    near = same_name or sorted(_text(other) for other in known if other[0] in close)
-    return f"; did you mean {' or '.join(near)}?" if near else ""
+    return same_name or sorted(other for other in known if other[0] in close)
+
+
+def _meant(near: Sequence[Signature]) -> str:
+    return f"did you mean {' or '.join(map(_text, near))}?" if near else ""
 
 
 def _text(signature: Signature) -> str:
@@ -346,10 +302,12 @@ def _text(signature: Signature) -> str:
 def _check_stratified(seen: _Seen) -> Iterator[Fault]:
     for head, use in seen.strict:
         if use.signature == ("goal", 1):
-            yield use.place("goal/1 may not stand under 'not', in an aggregate or in a condition")
+            remedy = "derive a predicate from it in a rule of its own, and put that there"
+            yield use.place(f"goal/1 may not stand under 'not', in an aggregate or in a condition; {remedy}")
         if head in _reachable(use.signature, seen.depends):
             how = "negation, an aggregate or a condition"
-            yield use.place(f"{_text(head)} depends on itself through {how}, by {_text(use.signature)}")
+            circle = f"{_text(head)} depends on itself through {how}, by {_text(use.signature)}"
+            yield use.place(f"{circle}; let one of them do without the other")
 
 
 def _reachable(start: Signature, depends: dict[Signature, set[Signature]]) -> set[Signature]:

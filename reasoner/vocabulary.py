@@ -25,6 +25,7 @@ WORD_FACTS: Final = {
     "exceeds": 2,
 }
 SHAPES: Final = ("box", "cylinder", "table")
+_ANOTHER: Final = "choose another word"
 _WORD: Final = re.compile(r"[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*")
 
 
@@ -33,20 +34,28 @@ class Place:
     """Where a fact stands.
 
     Attributes:
-        file: Name of the file.
         line: Line, from 1.
         column: Column, from 1.
+        report: Makes a fault in its file of line, column and message.
         own: Whether it is a user's own file, whose facts replace those that ship.
+        arguments: Line and column of each argument; empty if they do not stand there.
     """
 
-    file: str
     line: int
     column: int
+    report: Callable[[int, int, str], Fault]
     own: bool
+    arguments: tuple[tuple[int, int], ...] = ()
 
-    def fault(self, message: str) -> Fault:
-        """Return a fault at this place."""
-        return Fault(self.file, self.line, self.column, message)
+    def fault(self, message: str, argument: int | None = None) -> Fault:
+        """Return a fault at this place, or at one of its arguments, counted from 0."""
+        if argument is None or not self.arguments:
+            return self.report(self.line, self.column, message)
+        return self.report(*self.arguments[argument], message)
+
+    def __str__(self) -> str:
+        """Return `file:line`."""
+        return f"{self.fault('').file}:{self.line}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,28 +80,32 @@ class Vocabulary:
         return {word_of(word): 1 for word in self.meanings} | dict.fromkeys([*SPATIAL, *pairs], 2)
 
 
-def read_vocabulary(facts: Iterable[tuple[Compound, Place]]) -> tuple[Vocabulary, list[Fault], list[Fault]]:
+def read_vocabulary(
+    facts: Iterable[tuple[Compound, Place]], whole: bool = True
+) -> tuple[Vocabulary, list[Fault], list[Fault]]:
     """Return the vocabulary, every fault and every warning.
 
     Args:
         facts: The atoms of the predicates in `WORD_FACTS`, with the places where they are stated.
+        whole: Whether these are all; if not, nothing is said of what is missing.
     """
     faults: list[Fault] = []
     chosen = _replaced(sorted(facts, key=lambda fact: str(fact[0])), faults)
-    types = _types(chosen, faults)
+    types = _types(chosen, faults, whole)
     meanings: dict[str, Meaning] = {word: TypeIs(type=word) for word in types}
     for name, read in (("colour", _colour), ("weight", _weight)):
         for word, (fact, place) in chosen[name].items():
             if word in meanings:
-                faults.append(place.fault(f"{word!r} already names a {meanings[word].quantity}"))
+                faults.append(place.fault(f"{word!r} already names a {meanings[word].quantity}; {_ANOTHER}", 0))
             meaning = read(fact, place, faults)
             if meaning is not None:
                 meanings[word] = meaning
-    warnings = _overlaps(chosen["colour"], meanings) + _gaps(chosen["colour"], meanings)
+    warnings = _overlaps(chosen["colour"], meanings)
+    warnings += _gaps(chosen["colour"], meanings) if whole and not faults else []
     near_m, exceeds = _distances(chosen["near"], faults), _comparisons(chosen["exceeds"], faults)
     for word, (_, place) in sorted((chosen["near"] | chosen["exceeds"]).items()):
         if word in meanings or (word in near_m and word in exceeds):
-            faults.append(place.fault(f"{word!r} already has another meaning"))
+            faults.append(place.fault(f"{word!r} already has another meaning; {_ANOTHER}", 0))
     return Vocabulary(dict(sorted(types.items())), dict(sorted(meanings.items())), near_m, exceeds), faults, warnings
 
 
@@ -105,44 +118,51 @@ def _replaced(facts: Sequence[tuple[Compound, Place]], faults: list[Fault]) -> _
     for fact, place in sorted(facts, key=lambda item: item[1].own):
         word = fact.args[0]
         if not isinstance(word, str) or not _WORD.fullmatch(word):
-            faults.append(place.fault(f"expected a word in lower case such as soda_box, found {word}"))
+            faults.append(place.fault(f"expected a word in lower case such as soda_box, found {word}", 0))
         elif word_of(word) in RESERVED_WORDS or word == ANY or word in REFUSED:
-            faults.append(place.fault(f"{word!r} cannot be a word: the goal language uses it"))
+            faults.append(place.fault(f"{word!r} cannot be a word: the goal language uses it; {_ANOTHER}", 0))
         elif word in chosen[fact.name] and chosen[fact.name][word][1].own == place.own:
             before = chosen[fact.name][word]
-            faults.append(place.fault(f"{fact} contradicts {before[0]} in {before[1].file}:{before[1].line}"))
+            faults.append(place.fault(f"{fact} contradicts {before[0]} in {before[1]}; leave one of them out"))
         else:
             chosen[fact.name][word] = (fact, place)
     return chosen
 
 
-def _types(chosen: _Chosen, faults: list[Fault]) -> dict[str, ObjectType]:
+def _types(chosen: _Chosen, faults: list[Fault], whole: bool) -> dict[str, ObjectType]:
     types: dict[str, ObjectType] = {}
     for word, (_, place) in chosen["type"].items():
         shapes = [name for name in SHAPES if word in chosen[name]]
         own = [name for name in shapes if chosen[name][word][1].own]
         if len(own or shapes) != 1:
-            found = f"found {' and '.join(own or shapes)}" if shapes else "found none"
-            faults.append(place.fault(f"type {word!r} needs exactly one of {', '.join(SHAPES)}; {found}"))
+            found = f"found {' and '.join(own or shapes)}" if shapes else f"found none; state {_size_of(word)}"
+            if whole or shapes:
+                faults.append(place.fault(f"type {word!r} needs exactly one of {', '.join(SHAPES)}; {found}"))
             continue
         shape = (own or shapes)[0]
         object_type = _shape(*chosen[shape][word], word in chosen["graspable"], faults)
         if object_type is not None:
             types[word] = object_type
-    for name in (*SHAPES, "graspable"):
+    for name in (*SHAPES, "graspable") if whole else ():
         for word, (_, place) in chosen[name].items():
             if word not in chosen["type"]:
-                faults.append(place.fault(f"{word!r} is not a type; state type({word})."))
+                faults.append(place.fault(f"{word!r} is not a type; state type({word}).", 0))
     return types
 
 
+def _size_of(word: str) -> str:
+    """Return an example of how a size is stated."""
+    return f"for example cylinder({word}, 66, 66, 115). (width, depth and height in mm)"
+
+
 def _shape(fact: Compound, place: Place, graspable: bool, faults: list[Fault]) -> ObjectType | None:
-    size = _integers(fact, place, faults, lambda v: 1 <= v <= 10_000, "a size from 1 to 10000 mm")
+    size = _integers(fact, place, faults, [_Range("a size", 1, 10_000, "mm")] * 3)
     if size is None:
         return None
     x, y, z = (value / 1000 for value in size)
     if fact.name == "cylinder" and x != y:
-        faults.append(place.fault(f"a cylinder is as wide as it is deep; {fact} is not"))
+        remedy = f"write {fact.args[1]} twice, or state a box"
+        faults.append(place.fault(f"a cylinder is as wide as it is deep; {fact} is not: {remedy}", 2))
         return None
     match fact.name:
         case "box" | "cylinder" | "table" as shape:
@@ -151,29 +171,37 @@ def _shape(fact: Compound, place: Place, graspable: bool, faults: list[Fault]) -
 
 
 def _colour(fact: Compound, place: Place, faults: list[Fault]) -> HsvVolume | None:
-    values = _integers(fact, place, faults, lambda v: 0 <= v <= 360, "degrees or percent")
-    if values is None:
+    problems = [
+        (at + 1, f"{name} from {fact.args[at]} to {fact.args[at + 1]} is empty; {remedy}")
+        for at, name, remedy in (
+            (1, "hue", "let it end elsewhere"),
+            (3, "saturation", f"let it end above {fact.args[3]}"),
+            (5, "value", f"let it end above {fact.args[5]}"),
+        )
+        if _empty(fact.args[at], fact.args[at + 1], turns=at == 1)
+    ]
+    faults += [place.fault(f"colour {fact.args[0]}: {problem}", at) for at, problem in problems]
+    values = _integers(fact, place, faults, [_HUE] * 2 + [_PERCENT] * 4)
+    if values is None or problems:
         return None
-    hue, rest = values[:2], values[2:]
-    problems = [f"hue from {hue[0]} to {hue[1]} is empty"] if hue[0] == hue[1] else []
-    for name, (low, high) in (("saturation", rest[:2]), ("value", rest[2:])):
-        if not low < high <= 100:
-            problems.append(f"{name} must rise and end at 100 percent at most, found {low} to {high}")
-    faults += [place.fault(f"colour {fact.args[0]}: {problem}") for problem in problems]
-    if problems:
-        return None
-    s, s2, v, v2 = (value / 100 for value in rest)
+    hue, (s, s2, v, v2) = values[:2], (value / 100 for value in values[2:])
     return HsvVolume(hue=(hue[0] / 360, hue[1] / 360), saturation=(s, s2), value=(v, v2))
+
+
+def _empty(low: Term, high: Term, turns: bool) -> bool:
+    """Return whether there is nothing between two numbers that rise, or go round if that `turns`."""
+    return isinstance(low, int) and isinstance(high, int) and (low == high if turns else low >= high)
 
 
 def _weight(fact: Compound, place: Place, faults: list[Fault]) -> WeightInterval | None:
     open_ended = fact.args[2] == ANY
     limits = Compound(fact.name, fact.args[:2]) if open_ended else fact
-    grams = _integers(limits, place, faults, lambda v: v >= 0, "grams, or any as the last")
+    grams = _integers(limits, place, faults, [_GRAMS, _GRAMS_OR_ANY])
     if grams is None:
         return None
     if not open_ended and grams[0] >= grams[1]:
-        faults.append(place.fault(f"weight {fact.args[0]}: from {grams[0]} to {grams[1]} g is empty"))
+        remedy = f"let it end above {grams[0]}, or write any for no end"
+        faults.append(place.fault(f"weight {fact.args[0]}: from {grams[0]} to {grams[1]} g is empty; {remedy}", 2))
         return None
     return WeightInterval(at_least_kg=grams[0] / 1000, below_kg=None if open_ended else grams[1] / 1000)
 
@@ -181,7 +209,7 @@ def _weight(fact: Compound, place: Place, faults: list[Fault]) -> WeightInterval
 def _distances(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault]) -> dict[str, float]:
     """Return the greatest distance in metres by relation."""
     found = {
-        word: _integers(fact, place, faults, lambda v: 1 <= v <= 100_000, "a distance from 1 to 100000 mm")
+        word: _integers(fact, place, faults, [_Range("a distance", 1, 100_000, "mm")])
         for word, (fact, place) in sorted(facts.items())
     }
     return {word: values[0] / 1000 for word, values in found.items() if values}
@@ -194,19 +222,53 @@ def _comparisons(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault
         if fact.args[1] == "weight":
             found[word] = "weight"
         else:
-            faults.append(place.fault(f"exceeds {word}: expected weight, found {fact.args[1]}"))
+            faults.append(place.fault(f"exceeds {word}: expected weight, found {fact.args[1]}; write weight", 1))
     return found
 
 
-def _integers(
-    fact: Compound, place: Place, faults: list[Fault], allowed: Callable[[int], bool], expected: str
-) -> list[int] | None:
-    """Return the arguments after the word, if each is an allowed integer."""
-    wrong = [value for value in fact.args[1:] if not isinstance(value, int) or not allowed(value)]
-    if wrong:
-        faults.append(place.fault(f"{fact.name} {fact.args[0]}: expected {expected}, found {wrong[0]}"))
-        return None
-    return [value for value in fact.args[1:] if isinstance(value, int)]
+@dataclass(frozen=True, slots=True)
+class _Range:
+    """What number an argument may be: of what, from, to (None: no end), in which unit, what else may stand there."""
+
+    of: str
+    low: int
+    high: int | None
+    unit: str
+    instead: str = ""
+    turns: bool = False  # whether its end is its beginning again
+
+    def expected(self) -> str:
+        upto = "" if self.high is None else f" to {self.high}"
+        return f"{self.of} from {self.low}{upto} {self.unit}{self.instead}"
+
+    def holds(self, value: Term) -> bool:
+        return isinstance(value, int) and self.low <= value and (self.high is None or value <= self.high)
+
+    def nearest(self, value: Term) -> str:
+        """Return what could be meant by a number out of the range."""
+        if not isinstance(value, int):
+            return "write a whole number"
+        if self.turns and self.high is not None:
+            return f"{value} {self.unit} are {value % self.high}"
+        return f"write at least {self.low}" if value < self.low else f"write at most {self.high}"
+
+
+_HUE: Final = _Range("a hue", 0, 360, "degrees", turns=True)
+_PERCENT: Final = _Range("a number", 0, 100, "percent")
+_GRAMS: Final = _Range("a weight", 0, None, "grams")
+_GRAMS_OR_ANY: Final = _Range("a weight", 0, None, "grams", ", or any for no end")
+
+
+def _integers(fact: Compound, place: Place, faults: list[Fault], ranges: Sequence[_Range]) -> list[int] | None:
+    """Return the arguments after the word, if each is an integer in its range."""
+    good: list[int] = []
+    for i, (value, allowed) in enumerate(zip(fact.args[1:], ranges, strict=False), 1):
+        if isinstance(value, int) and allowed.holds(value):
+            good.append(value)
+        else:
+            wrong = f"{fact.name} {fact.args[0]}: expected {allowed.expected()}, found {value}"
+            faults.append(place.fault(f"{wrong}; {allowed.nearest(value)}", i))
+    return good if len(good) == len(fact.args) - 1 else None
 
 
 def _overlaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, Meaning]) -> list[Fault]:

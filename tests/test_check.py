@@ -1,5 +1,6 @@
 """What `check` notices: every change to a recorded run is named with its place; a sound one is left in peace."""
 
+import json
 import re
 import subprocess
 import sys
@@ -13,8 +14,11 @@ from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from mcap.writer import Writer
 from tampering import each, messages, records_of, renumbered, rewrite
 
+from skolem.tools import cli
 from skolem.traces.check import Flaw, check
-from skolem.traces.messages import TrueState
+from skolem.traces.codec import HashChain
+from skolem.traces.errors import TraceError
+from skolem.traces.messages import ActionResult, TrueState, canonical
 from skolem.traces.reader import Trace
 from skolem.traces.recover import recover
 from skolem.traces.writer import TraceWriter
@@ -257,11 +261,83 @@ def test_a_run_that_does_not_begin_with_its_start_is_noticed(changed: Callable[.
     assert changed(late).message == "comes before /run/start"
 
 
-def test_a_schema_of_another_version_is_named(changed: Callable[..., Flaw]) -> None:
-    flaw = changed(each(Schema, lambda s: replace(s, data=b"{}") if s.name == "skolem.Plan" else s))
-    assert "the schema of /plan is not the one that this version knows" in flaw.message
+def test_a_schema_of_another_name_or_kind_is_refused(changed: Callable[..., Flaw]) -> None:
     flaw = changed(each(Schema, lambda s: replace(s, name="other.Plan") if s.name == "skolem.Plan" else s))
     assert "/plan has the schema jsonschema other.Plan, expected jsonschema skolem.Plan" in flaw.message
+    flaw = changed(each(Schema, lambda s: replace(s, data=b"[]") if s.name == "skolem.Plan" else s))
+    assert flaw.message == "the schema of /plan is no JSON Schema"
+    flaw = changed(each(Channel, lambda c: replace(c, message_encoding="cbor") if c.topic == "/plan" else c))
+    assert flaw.message == "messages of /plan are cbor, expected json"
+
+
+def without_odometry(records: list[object]) -> list[object]:
+    """Return a trace as it would have been recorded before the results of actions had odometry; its chain is broken."""
+
+    def older(schema: Schema) -> Schema:
+        if schema.name != "skolem.ActionResult":
+            return schema
+        known = json.loads(schema.data)
+        del known["properties"]["odometry"]
+        return replace(schema, data=canonical(known))
+
+    def leaner(message: Message) -> Message:
+        return replace(message, data=message.data.replace(b'"odometry":null,', b""))
+
+    return each(Schema, older)(each(Message, leaner)(records))
+
+
+def rechained(records: list[object]) -> list[object]:
+    """Return a trace with its hash chain computed anew, as its own time would have written it."""
+    topics, chain = {r.id: r.topic for r in records if isinstance(r, Channel)}, HashChain()
+    found: list[object] = []
+    for record in records:
+        if isinstance(record, Message) and topics[record.channel_id] == "/chain":
+            link = canonical(json.loads(record.data) | {"chain": chain.close()})
+            found.append(replace(record, data=link))
+            continue
+        if isinstance(record, Message):
+            chain.add(topics[record.channel_id], record.data)
+        found.append(record)
+    return found
+
+
+def test_a_trace_from_before_a_field_was_added_is_sound_with_a_remark(
+    trace: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = rewrite(trace, tmp_path / "older.mcap", lambda records: rechained(without_odometry(records)))
+    assert len(list(Trace(path).of(ActionResult))) == 3
+    found = check(path)
+    assert found.sound, found.flaw
+    [remark] = found.remarks
+    assert "other schemas for /action/result" in remark
+    monkeypatch.setattr("sys.argv", ["skolem", "check", str(path)])
+    assert cli.main() == 0
+    assert f"    {remark}" in capsys.readouterr().out.splitlines()
+
+
+def test_a_message_that_its_own_older_schema_does_not_explain_is_a_fault(changed: Callable[..., Flaw]) -> None:
+    assert "the chain does not fit" in changed(without_odometry).message
+    only_messages = each(Message, lambda m: replace(m, data=m.data.replace(b'"odometry":null,', b"")))
+    assert "is not written canonically" in changed(lambda records: rechained(only_messages(records))).message
+
+
+def test_a_remark_is_not_made_of_a_trace_of_this_version(trace: Path) -> None:
+    assert check(trace).remarks == ()
+
+
+def test_a_message_that_breaks_its_schema_is_one_line_with_place_and_remedy_for_who_reads_it(
+    trace: Path, tmp_path: Path
+) -> None:
+    def spoiled(message: Message) -> Message:
+        return replace(message, data=message.data.replace(b'"status":"done"', b'"status":"fine"'))
+
+    path = rewrite(trace, tmp_path / "bent.mcap", each(Message, spoiled))
+    with pytest.raises(TraceError) as raised:
+        list(Trace(path).of(ActionResult))
+    assert str(raised.value) == (
+        f"{path}: /action/result, decision message 2, 0.00 s: .status: Input should be 'done', 'failed' or "
+        "'stopped_early'; `skolem check` says whether the trace was changed; if not, use the version that recorded it"
+    )
 
 
 def test_another_schema_version_is_refused(changed: Callable[..., Flaw]) -> None:

@@ -2,7 +2,9 @@
 
 import json
 import math
+import re
 import tempfile
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -11,7 +13,7 @@ from typer.testing import CliRunner
 
 from skolem.tools import explain
 from skolem.tools.explaining import Explanation, explained
-from skolem.tools.explanation_text import choice_tree, drop_tree, end_tree, lines
+from skolem.tools.explanation_text import action_tree, choice_tree, drop_tree, end_tree, lines
 from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
@@ -133,6 +135,100 @@ def test_an_impossible_goal_is_explained_by_properties_and_regions() -> None:
     kinds = {remedy.kind for remedy in found.ending.remedies}
     assert {"property", "region"} <= kinds
     assert any("likeliest to be purple" in remedy.finding for remedy in found.ending.remedies)
+
+
+def test_every_region_where_a_thing_not_met_yet_may_be_is_told_with_its_cost_and_what_rejected_it() -> None:
+    start, later = (explained(traced("impossible"), step).choice for step in (0, 1))
+    assert start is not None
+    assert later is not None
+    regions = start.options[0].regions
+    assert sorted(option.region for option in regions) == ["_reg1_", "_reg2_", "_reg3_"]
+    first, *others = regions
+    assert [option.chosen for option in regions] == [True, False, False]
+    assert (first.plan, first.probability) == (start.options[0].plan, start.options[0].probability)
+    for option in regions:
+        assert math.exp(-option.cost / 1e6) == pytest.approx(option.exists_in["e1"], rel=1e-5)
+        assert option.region in option.plan[0]
+    assert all("its plan is as good" in option.rejected for option in others)
+    searched = next(option for option in later.options[0].regions if option.region == first.region)
+    assert searched.rejected.startswith("implausible: p = ")
+    assert searched.contents > 0.9
+    text = "\n".join(lines(choice_tree(start)))
+    assert f"in {others[0].region}: its plan is as good" in text
+    assert f"exists in it: e1 {first.exists_in['e1']:.3g} (cost {first.cost / 1e6:.2f} nats)" in text
+
+
+def test_a_region_that_known_objects_outdo_says_by_how_much() -> None:
+    choice = explained(traced("illustrative"), 0).choice
+    assert choice is not None
+    unmet = next(option for option in choice.options if option.object == "sk(var(o))")
+    (region,) = unmet.regions
+    assert region.probability == unmet.probability
+    assert region.rejected == unmet.rejected != ""
+    assert all(option.regions == () for option in choice.options if option is not unmet)
+
+
+def test_every_plan_of_the_stack_says_how_near_it_is_to_the_best() -> None:
+    found = green(0)
+    made = [decision.within for decision in Trace(traced("sim1_green")).of(Decision) if decision.step == 0]
+    assert [layer.within for layer in found.layers] == made
+    text = "\n".join(lines(action_tree(found.action, found.layers)))
+    assert "(optimal)" in text
+    unknown = replace(found.layers[0], within=None)
+    assert "(no bound is known)" in "\n".join(lines(action_tree(found.action, [unknown])))
+
+
+OUT_OF_REACH = """
+world:
+  - {id: table1, type: table, at: [1.30, 0.00, 0.0]}
+  - {id: wide, type: slab, at: [0.00, 2.60, 1.5707963]}
+  - {id: sodaC, type: soda, on: wide, at: [0.0, 0.0, 0.0], hsv: [0.33, 0.9, 0.8], kg: 0.350}
+belief:
+  defaults: {sd_xy_m: 0.005, sd_theta_rad: 0.01}
+  objects:
+    - {id: table1, type: {table: 1.0}, like: world}
+    - {id: wide, type: {slab: 1.0}, like: world}
+    - {id: sodaC, type: {soda: 1.0}, like: world}
+rules: [slab.lp]
+"""
+SLAB = "type(slab). table(slab, 3000, 3000, 680).\n"
+BECKON = """step(beckon(O, T, P))       :- goal(b(on(O, T), P)), @rigid(O) = 1.
+operation(S, beckon(O, T))  :- step(S), S = beckon(O, T, _).
+executes(S, look(T))        :- step(S), S = beckon(_, T, _).
+result(S, b(on(O, T), P))   :- step(S), S = beckon(O, T, P).
+precond(S, krd(O), 0)       :- step(S), S = beckon(O, _, _).
+"""
+
+
+def out_of_reach(folder: Path, rules: str) -> Explanation:
+    """Explain the end of a run about a can in the middle of a table of nine square metres."""
+    shipped = (ROOT / "scenarios" / "sim1_green.yaml").read_text(encoding="utf-8")
+    head = re.sub("(?m)^goal: .*", "goal: B(In(sodaC, table1), 0.9)", shipped[: shipped.index("world:")])
+    (folder / "slab.lp").write_text(rules, encoding="utf-8")
+    (folder / "far.yaml").write_text(head + OUT_OF_REACH, encoding="utf-8")
+    setup = prepare(folder / "far.yaml", ["limits.repeats=3"], 1, "symbolic")
+    run(setup, folder / "far.mcap", Silence(), Stopwatch(), Outcome())
+    return explained(folder / "far.mcap", None)
+
+
+def test_an_object_that_no_hand_reaches_is_named_as_what_stood_in_the_way(tmp_path: Path) -> None:
+    ending = out_of_reach(tmp_path, SLAB).ending
+    assert ending is not None
+    findings = [remedy.finding for remedy in ending.remedies if remedy.kind == "geometry"]
+    assert {"no way to pick(left, sodaC)", "no way to pick(right, sodaC)"} <= set(findings)
+    assert "Pick(sodaC) was found impossible in the believed world" in findings
+    changes = {remedy.change for remedy in ending.remedies if remedy.kind == "geometry"}
+    assert "a free place within reach for it" in changes
+    assert {remedy.kind for remedy in ending.remedies} == {"goal", "geometry"}
+
+
+def test_an_action_that_never_does_what_it_should_is_named_with_how_often_it_was_tried(tmp_path: Path) -> None:
+    ending = out_of_reach(tmp_path, SLAB + BECKON).ending
+    assert ending is not None
+    (remedy,) = (remedy for remedy in ending.remedies if remedy.kind == "repeats")
+    assert remedy.finding == "Beckon(sodaC, table1) was done 3 times without doing what it should"
+    assert remedy.change.startswith("limits.repeats above 3")
+    assert not any("Beckon" in other.finding for other in ending.remedies if other is not remedy)
 
 
 def test_a_threshold_that_stood_in_the_way_is_named_with_the_value_that_would_not() -> None:

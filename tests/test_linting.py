@@ -63,6 +63,23 @@ def test_each_doubtful_thing_is_complained_of_where_it_stands(
     assert (found == [] and not code) or (line, code) in found
 
 
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        (PUSH + "precond(S, b(exists_in(E, O), 5), 0) :- step(S), S = push(O), E = e1.", "unreachable"),
+        (PUSH + "result(S, held(both, O)) :- step(S), S = push(O).", "unused_result"),
+        (PUSH.replace("krd(O)", "loose(O)"), "without_krd"),
+        ("step(wipe(O)) :- goal(holding(O)).", "without_result"),
+        (PUSH + "precond(S, loose(O), 2) :- step(S), S = push(O).", "level_gap"),
+        ("measures(smelly, smell).", "unobservable"),
+    ],
+)
+def test_each_complaint_names_a_remedy(tmp_path: Path, text: str, code: str) -> None:
+    said = [message for _, kind, message in complaints(tmp_path, text) if kind == code]
+    assert said
+    assert all("; " in message or ": state " in message for message in said)
+
+
 def test_what_would_stop_a_run_is_refused_in_the_words_of_the_complaint(tmp_path: Path) -> None:
     path = tmp_path / "own.lp"
     wrong = "precond(S, holdin(O), 0) :- step(S), S = push(O).\nexecutes(S, shove(O)) :- step(S), S = push(O)."

@@ -22,7 +22,7 @@ FOLDERS = set(MAPPING.values())
 LOCK = (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines()
 SHIPPED: list[str] = SETUPTOOLS["package-data"]["*"]
 MACHINE_PATH = re.compile(r"(?<![\w.*$})~-])/(tmp|work|root|home)(?![\w-])")
-NOT_OURS = {"build", "dist", "out", "__pycache__"}
+NOT_OURS = {"build", "dist", "out", "node_modules", "__pycache__"}
 
 
 def test_every_package_folder_is_mapped_and_there_are_no_sub_packages() -> None:

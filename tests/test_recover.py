@@ -58,7 +58,7 @@ def test_of_a_file_cut_at_any_of_twenty_places_every_whole_chunk_is_saved(trace:
     counts = []
     for size in range(ends[0], ends[-1], (ends[-1] - ends[0]) // 20):
         trace.write_bytes(sound[:size])
-        found = recover(trace, tmp_path / "good.mcap")
+        found = recover(trace, tmp_path / f"{size}.mcap")
         saved = Trace(found.path)
         assert list(saved.messages()) == whole[: found.messages]
         assert found.steps == len(list(saved.of(ActionResult))) == sum(end <= size for end in ends)
@@ -119,7 +119,7 @@ def test_every_flipped_byte_leaves_something_to_save(trace: Path, tmp_path: Path
         damaged = bytearray(sound)
         damaged[place] ^= 1 << place % 8
         trace.write_bytes(damaged)
-        assert recover(trace, tmp_path / "good.mcap").messages >= 42, place
+        assert recover(trace, tmp_path / f"{place}.mcap").messages >= 42, place
 
 
 def test_nothing_is_left_behind_if_nothing_can_be_saved(trace: Path, tmp_path: Path) -> None:
@@ -136,6 +136,18 @@ def test_the_damaged_file_is_never_written_over(trace: Path, tmp_path: Path) -> 
     before = partial.read_bytes()
     recover(partial, tmp_path / "run.mcap")
     assert partial.read_bytes() == before
+
+
+def test_a_file_that_is_there_already_is_never_replaced(
+    trace: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bad, before = tmp_path / "bad.mcap", trace.read_bytes()
+    bad.write_bytes(before[: len(before) // 2])
+    monkeypatch.setattr(sys, "argv", ["skolem", "recover", str(bad), "-o", str(trace)])
+    assert cli.main() == 2
+    assert f"{trace}: exists and is not replaced; give another name" in capsys.readouterr().err
+    assert trace.read_bytes() == before
+    assert check(trace).sound
 
 
 def test_a_place_that_cannot_be_written_is_named(trace: Path, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from mcap.records import Attachment
+from mcap.records import Attachment, Message
 from tampering import each, rewrite
 
 from skolem.tools import cli
@@ -42,6 +42,7 @@ def test_a_decision_is_shown_with_table_stack_search_and_outcome(green_trace: Pa
     assert any(line.strip().startswith("<ExamineObj(e1, soda") for line in lines)
     assert any(line.startswith("search for ") for line in lines)
     assert any(line.strip().endswith("offered") for line in lines)
+    assert any(line.startswith("  p = ") and ", optimal: " in line for line in lines)
     assert any(line.startswith("did: LookAt(soda") and line.endswith("-> done") for line in lines)
     assert any(line.startswith("saw: ") for line in lines)
 
@@ -98,8 +99,40 @@ def test_the_history_of_an_object_has_a_row_per_decision(green_trace: Path, call
     assert [row["after"] for row in said["history"]] == ["", *(action.op for action in actions)]
     assert {"in hand"} < {row["pose d"] for row in said["history"]}
     status, out, _ = called("show", str(green_trace), "--object", "sodaC")
-    assert (status, out.splitlines()[0].split()) == (0, "step after exists type d pose d color d weight d".split())
+    heads = "step after exists type d pose d color d weight d identity"
+    assert (status, out.splitlines()[0].split()) == (0, heads.split())
     assert len(out.splitlines()) == len(beliefs) + 1
+
+
+def test_what_turned_out_about_who_is_who_is_told_where_it_happened(
+    tmp_path: Path, green_trace: Path, called: Called
+) -> None:
+    path = str(rewrite(green_trace, tmp_path / "who.mcap", each(Message, mistaken)))
+    assert "identity: sodaB turned out to be sodaC, whose name goes on" in called("show", path, "--step", "2")[1]
+    assert "identity: table1 turned out to be two objects" in called("show", path, "--step", "4")[1]
+    assert "identity: " not in called("show", path, "--step", "3")[1]
+    (change,) = json.loads(called("show", path, "--step", "2", "--json")[1])["identity"]
+    assert (change["kind"], change["anchor"], change["other"]) == ("merged", "sodaC", "sodaB")
+    for anchor, step in (("sodaC", "2"), ("sodaB", "2"), ("table1", "4")):
+        rows = json.loads(called("show", path, "--object", anchor, "--json")[1])["history"]
+        assert [row["step"] for row in rows if row["identity"]] == [step]
+    assert rows[-1]["pose d"] != ""
+    last = called("show", path, "--object", "sodaB")[1].splitlines()[-1]
+    assert last.split("  ")[0] == "2"
+    assert last.endswith("  sodaB turned out to be sodaC, whose name goes on")
+
+
+def mistaken(message: Message) -> Message:
+    """Return a message as in a run whose sodaB merged into sodaC before decision 2, and whose table1 split before 4."""
+    data = json.loads(message.data)
+    if "anchors" not in data or data["step"] < 2:
+        return message
+    data["anchors"].remove("sodaB")
+    del data["objects"]["sodaB"]
+    found = [{"version": 3, "kind": "merged", "anchor": "sodaC", "other": "sodaB"}]
+    split = [{"version": 6, "kind": "split", "anchor": "table1", "other": None}]
+    data["identity"] = found if data["step"] < 4 else found + split
+    return replace(message, data=json.dumps(data).encode())
 
 
 def test_an_object_nobody_believed_in_is_refused_with_the_names_there_are(green_trace: Path, called: Called) -> None:
@@ -138,6 +171,9 @@ def test_info_gives_what_the_run_was_made_of_and_how_it_went(green_trace: Path, 
     assert (said["content_hash"], said["decision_hash"]) == (run.content_hash, run.decision_hash)
     assert sum(said["executed"].values()) == len(actions)
     assert said["replans"] == sum(plan.cause in ("preimage_lost", "refused") for plan in run.of(Plan)) > 0
+    found = [decision.within for decision in run.of(Decision) if decision.plan]
+    assert (said["plans"]["found"], said["plans"]["optimal"]) == (len(found), found.count(1.0))
+    assert said["plans"]["within"] == max(factor for factor in found if factor is not None)
     assert {topic: row["messages"] for topic, row in said["topics"].items()} == counts(run)
     assert said["topics"]["/obs"]["class"] == "INPUT"
     assert {f"rules/{name}" for name in said["rules_sha256"]} | {"scenario.yaml"} == set(said["attachments"])
@@ -158,6 +194,7 @@ def test_info_in_words_names_goal_status_operators_and_sizes(green_trace: Path, 
         "status       goal_achieved",
         "true         yes (sodaC)",
         "steps  ",
+        "plans  ",
         "topic  ",
     ):
         assert any(line.startswith(start) for line in out.splitlines()), start
@@ -185,4 +222,4 @@ def test_check_names_the_first_fault_of_each_trace_and_exits_with_3(
     first, second = map(json.loads, out.splitlines())
     assert (status, first["sound"], second["sound"], second["fault"]) == (3, False, True, None)
     assert first["fault"].keys() == {"message", "remedy", "byte", "number", "topic", "step"}
-    assert first.keys() == {"trace", "sound", "messages", "steps", "content_hash", "decision_hash", "fault"}
+    assert first.keys() == {"trace", "sound", "messages", "steps", "content_hash", "decision_hash", "fault", "remarks"}

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from skolem.reasoner.queries import Queries
+from skolem.reasoner.rule_files import MAX_BYTES, RuleFile, parse
 from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.validate import MAX_BYTES, RuleFile, parse, query_arities
+from skolem.reasoner.validate import query_arities
 from skolem.traces.errors import InputError
 
 BAD = sorted((Path(__file__).parent / "data" / "bad_rules").glob("*.lp"))

@@ -1,5 +1,8 @@
 """Recorded runs under other rules, goals or thresholds: which decisions change, and where the record ends."""
 
+import json
+import re
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -21,10 +24,19 @@ def what_if(scenario: str, *flags: str, rules: dict[str, bytes] | None = None) -
     return foresee(run, given_with(run, changes_of(rules or {}, flags), Rulebooks()), Stopwatch())
 
 
-def edited(name: str, old: str, new: str) -> dict[str, bytes]:
-    text = (RULES / name).read_text()
+def edited() -> dict[str, bytes]:
+    """Return a vocabulary that calls blue green."""
+    old, new, text = "colour(green, 90, 162,", "colour(green, 200, 262,", (RULES / "vocabulary.lp").read_text()
     assert old in text
-    return {name: text.replace(old, new).encode()}
+    return {"vocabulary.lp": text.replace(old, new).encode()}
+
+
+def written(folder: Path, rules: dict[str, bytes]) -> str:
+    """Write rule files and return their folder as the command line has it."""
+    folder.mkdir()
+    for name, content in rules.items():
+        (folder / name).write_bytes(content)
+    return str(folder)
 
 
 def test_nothing_changes_for_the_same_rules() -> None:
@@ -43,6 +55,58 @@ def test_rules_that_would_stop_a_run_are_refused_in_every_trace() -> None:
     for _ in range(2):
         with pytest.raises(InputError, match=r"own.lp:1:1: b\(clean\) is not a fluent"):
             given_with(run, changes, rulebooks)
+
+
+def test_an_edited_rule_changes_what_is_done_and_ends_the_record_there() -> None:
+    """Were blue called green, the blue can, seen before the green one is looked at, would be picked up."""
+    found = what_if("sim1_green", rules=edited())
+    assert {change.kind for change in found.altered[:-1]} <= {"plan", "search"}
+    last = found.altered[-1]
+    assert (last.kind, last.was) == ("act", "LookAt(sodaC)")
+    assert last.now == "Move(pick(left,sodaB))"
+    assert found.stopped == f"step {last.step}: what follows in the trace came of LookAt(sodaC)"
+    assert found.decisions == last.step + 1 < found.recorded
+
+
+def test_an_edited_rule_shows_over_a_folder_of_traces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The second run's goal is about oil, whatever its colour."""
+    traces = [str(recorded(name)) for name in ("sim1_green", "real1_oil")]
+    assert command("replay", *traces, "--rules", written(tmp_path / "edited", edited())) == 1
+    out = capsys.readouterr().out
+    assert f"{traces[0]}: CHANGED: " in out
+    assert f"{traces[1]}: same: " in out
+    assert "2 traces: 1 changed, 1 same" in out
+
+
+def test_the_report_says_which_rules_are_whose(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Files lie over those of the trace by name: one that is deleted comes back from there."""
+    rules = {path.name: path.read_bytes() for path in RULES.glob("*.lp")}
+    del rules["weigh.lp"]
+    rules |= {"look.lp": rules["look.lp"] + b"% a remark\n", "own.lp": b"% nothing\n"}
+    folder = written(tmp_path / "edited", rules)
+    assert command("replay", str(recorded("sim1_green")), "--rules", folder) == 0
+    said = "rules changed: look.lp; added: own.lp; not in DIR, taken from the trace: weigh.lp"
+    assert capsys.readouterr().out.splitlines()[1] == f"  {said}"
+    assert command("replay", str(recorded("sim1_green")), "--rules", folder, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["rules"] == {"changed": ["look.lp"], "added": ["own.lp"], "kept": ["weigh.lp"]}
+    assert command("replay", str(recorded("sim1_green")), "--rules", str(RULES)) == 0
+    assert capsys.readouterr().out.splitlines()[1] == "  rules as in the trace"
+    assert command("replay", str(recorded("sim1_green")), "--set", "threshold=0.9", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["rules"] is None
+
+
+def test_a_renamed_file_is_named_as_it_is_called_and_so_is_the_one_of_the_trace(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = written(tmp_path / "edited", {"deduce.lp": (RULES / "infer.lp").read_bytes()})
+    assert command("replay", str(recorded("sim1_green")), "--rules", folder) == 2
+    said = capsys.readouterr().err
+    assert re.search(rf"{folder}/deduce.lp:\d+:1: redefinition of constant.* rules/infer.lp:\d+:1", said)
+    assert f"{folder}/infer.lp: is not there, so it is taken from the trace as rules/infer.lp; an empty file" in said
+    assert tempfile.gettempdir() not in said.replace(str(tmp_path), "")
+    (tmp_path / "edited" / "infer.lp").touch()
+    assert command("replay", str(recorded("sim1_green")), "--rules", folder) == 0
 
 
 def test_another_word_changes_whom_the_robot_takes_to_be_meant() -> None:

@@ -1,15 +1,23 @@
 import os
+import platform
 import re
 import signal
 import subprocess
 import sys
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 from mcap.writer import Writer
+from recordings import SCENARIOS
 
+from skolem.sim.symbolic import SymbolicWorld
+from skolem.tools.live import Silence
+from skolem.tools.session import Outcome, prepare, run
+from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.environment import PACKAGES, environment
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.messages import Action, Chain, Perf, RunEnd, TrueState, Verdict
@@ -106,9 +114,53 @@ def test_a_run_that_forgets_its_end_record_gets_one(tmp_path: Path, record_run: 
 
 def test_an_odd_file_name_in_an_error_does_not_spoil_the_end_record(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
-    with pytest.raises(FileNotFoundError), open_writer(path):
-        raise FileNotFoundError("no file \udcff")
-    assert end_of(path).reason == "FileNotFoundError: no file \\udcff"
+    with pytest.raises(ValueError, match="no file"), open_writer(path):
+        raise ValueError("no file \udcff")
+    assert end_of(path).reason == "ValueError: no file \\udcff"
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (FileNotFoundError(2, "No such file or directory", "/srv/robot/a.urdf"), "No such file or directory"),
+        (PermissionError(13, "Permission denied", "/srv/robot/a", None, "/srv/robot/b"), "Permission denied"),
+        (ImportError("no name 'x' in 'y' (/srv/robot/lib/y.so)"), "no name 'x' in 'y' (y.so)"),
+        (ValueError("0.5 m/s is above 1/3 m/s"), "0.5 m/s is above 1/3 m/s"),
+    ],
+)
+def test_the_end_record_of_a_crash_does_not_say_where_files_lie(tmp_path: Path, error: Exception, said: str) -> None:
+    with pytest.raises(type(error)), open_writer(tmp_path / "a.mcap"):
+        raise error
+    assert end_of(tmp_path / "a.mcap").reason == f"{type(error).__name__}: {said}"
+
+
+@pytest.mark.parametrize("crashed", [False, True])
+def test_a_whole_run_says_neither_where_nor_on_which_machine_it_was(
+    crashed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, setup = tmp_path / "run.mcap", prepare(SCENARIOS / "sim1_green.yaml", seed=0, world="symbolic", profile=True)
+    if crashed:
+
+        def fail(self: SymbolicWorld, action: Action) -> NoReturn:
+            (tmp_path / "gone" / f"{platform.node()}.urdf").read_bytes()
+            raise AssertionError("there is such a file")
+
+        monkeypatch.setattr(SymbolicWorld, "execute", fail)
+    with pytest.raises(FileNotFoundError) if crashed else nullcontext():
+        run(setup, path, Silence(), Stopwatch(), Outcome())
+    assert end_of(path).status == ("error" if crashed else "goal_achieved")
+    private = [str(tmp_path), str(Path.cwd()), str(Path.home()), sys.prefix]
+    for said in texts_of(path):
+        assert not [each for each in private if len(each) > 1 and each in said], said[:200]
+        assert not re.search(rf"(?<![\w.]){re.escape(platform.node() or 'localhost')}(?![\w.])", said), said[:200]
+
+
+def texts_of(path: Path) -> Iterator[str]:
+    """Yield everything a trace says: messages, attachments and metadata."""
+    trace = Trace(path)
+    yield from (recorded.data.decode(errors="replace") for recorded in trace.messages())
+    yield from (data.decode() for data in trace.attachments.values())
+    yield from (f"{key}={value}" for table in trace.metadata.values() for key, value in table.items())
 
 
 def test_a_killed_process_leaves_every_closed_step(tmp_path: Path) -> None:

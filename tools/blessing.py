@@ -61,7 +61,7 @@ def bless(folder: Path, name: str, recipe: Golden, reason: str) -> Blessed:
         if size >= MAX_BYTES:
             said = f"would take {size} bytes, allowed are {MAX_BYTES}; choose a shorter run"
             raise InputError([Fault(str(path), 0, 0, said)])
-        if old is not None and _alike(old, made) and check(path).sound:
+        if old is not None and _alike(old, made) and _up_to_date(path):
             return Blessed(name, old, old, path.stat().st_size, changed=False)
         changes = tuple(_difference(path, lean)) if path.exists() else ()
         lean.replace(path)
@@ -90,6 +90,12 @@ def _described(recipe: Golden, trace: Path, reason: str) -> Golden:
 
 def _alike(old: Golden, made: Golden) -> bool:
     return old == made.model_copy(update={"reason": old.reason})
+
+
+def _up_to_date(path: Path) -> bool:
+    """Return whether a trace is sound and has the schemas of this version."""
+    found = check(path)
+    return found.sound and not found.remarks
 
 
 def _difference(old: Path, new: Path) -> Iterator[str]:

@@ -22,6 +22,8 @@ def check(
 ) -> None:
     """Check that traces are whole and unchanged; name the first fault of each, with its place and what to do.
 
+    What an older version recorded is sound as long as this one reads it; a remark says so.
+
     Exit status: 0 all are sound, 3 one is not.
     """
     sound = True
@@ -41,6 +43,7 @@ def _fields(found: Checked) -> dict[str, object]:
         "content_hash": found.content_hash if found.sound else None,
         "decision_hash": found.decision_hash if found.sound else None,
         "fault": None if found.flaw is None else asdict(found.flaw),
+        "remarks": found.remarks,
     }
 
 
@@ -48,4 +51,5 @@ def _text(found: Checked) -> str:
     if found.flaw is not None:
         return f"{found.path}: not sound: {found.flaw}"
     hashes = f"content {found.content_hash[:12]}, decisions {found.decision_hash[:12]}"
-    return f"{found.path}: sound; {found.messages} messages, {found.steps} steps, {hashes}"
+    head = f"{found.path}: sound; {found.messages} messages, {found.steps} steps, {hashes}"
+    return "\n".join([head, *(f"    {remark}" for remark in found.remarks)])

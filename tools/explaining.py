@@ -67,7 +67,8 @@ def explained(trace: Path, step: int | None) -> Explanation:
         if insight.step == at:
             now = truths(insight, path.stack)
             stack = insight.stack()
-            end = ending(insight, found_choice, failed) if failed is not None and found_choice is not None else None
+            if failed is not None and found_choice is not None:
+                end = ending(insight, found_choice, failed, stack)
     views = _views(run, path, stack, rules) if made and stack is not None else {}
     action = "" if path.found.action is None else path.found.action.op
     return Explanation(
@@ -105,5 +106,5 @@ def _views(run: RecordedRun, path: Course, stack: Memory, rules: Rules) -> dict[
         rules.enter(insight)
         for i, made in enumerate(path.made):
             if made == insight.step:
-                views[i] = view(stack.layers[i], stack.current[i], made, rules)
+                views[i] = view(stack.layers[i], stack.current[i], made, path.within[i], rules)
     return views

@@ -18,9 +18,9 @@ from skolem.tools.recalled_geometry import NotRecordedError, RecalledGeometry
 from skolem.tools.recorded_run import RecordedRun, RecordedStep
 from skolem.tools.rethinking import Given
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.messages import Memory, Plan, PlanStep, Quantity, RememberedStep
+from skolem.traces.messages import Decision, Memory, Plan, PlanStep, Quantity, RememberedStep
 
-PLANNED = ("start", "refine")
+PLANNED = ("start", "refine")  # causes of the plans that a search found
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +91,7 @@ class Course:
         found: The decision.
         before: The one before it; None at the first.
         made: For each layer of the stack at its end, the step at which it was planned.
+        within: For each of these, how near the plan was known to be to the best one, as `Decision.within`.
         root: The subgoal of the top layer when it was planned; empty if there is none.
         stack: The plan stack with which the decision began, top first.
         bound: Where the object not met yet that the top layer was made for turned out to be a known one, and the
@@ -100,6 +101,7 @@ class Course:
     found: RecordedStep
     before: RecordedStep | None
     made: list[int] = field(default_factory=list)
+    within: list[float | None] = field(default_factory=list)
     root: tuple[str, ...] = ()
     stack: tuple[tuple[PlanStep, ...], ...] = ()
     bound: tuple[int, tuple[str, ...]] | None = None
@@ -112,6 +114,7 @@ def course(run: RecordedRun, step: int | None) -> Course:
         InputError: If the run has no such decision.
     """
     made: list[int] = []
+    within: list[float | None] = []
     root: tuple[str, ...] = ()
     before, recorded = None, None
     stack: tuple[tuple[PlanStep, ...], ...] = ()
@@ -119,20 +122,22 @@ def course(run: RecordedRun, step: int | None) -> Course:
     for current in run.steps():
         before, recorded = recorded, current
         plans = current.all_of(Plan)
+        found = iter([decision for decision in current.all_of(Decision) if decision.plan])
         for plan in plans:
             if plan.cause in PLANNED:
-                made = [*made[: len(plan.layers) - 1], plan.step]
+                above = len(plan.layers) - 1
+                made, within = [*made[:above], plan.step], [*within[:above], next(found).within]
                 root, bound = (plan.layers[0][-1].subgoal, None) if len(plan.layers) == 1 else (root, bound)
             if plan.cause == "bind_skolem" and plan.layers:
                 bound = plan.step, plan.layers[0][-1].subgoal
-            del made[len(plan.layers) :]
+            del made[len(plan.layers) :], within[len(plan.layers) :]
         if current.step == step or current.last:
             break
         stack = plans[-1].layers if plans else stack
     if recorded is None or step not in (None, recorded.step):
         last = "none" if recorded is None else f"0 to {recorded.step}"
         raise InputError([Fault("--step", 0, 0, f"the run has decisions {last}, got {step}")])
-    return Course(recorded, before, made, root, stack, bound)
+    return Course(recorded, before, made, within, root, stack, bound)
 
 
 # ---------------------------------------------------------------- how true something is

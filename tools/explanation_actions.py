@@ -46,6 +46,7 @@ class LayerView:
 
     Attributes:
         made: The decision at which it was made.
+        within: At most this many times the cost of the best plan; 1: it is the best; None: no bound is known.
         goal: What it is to make true.
         steps: In execution order.
         chosen: Which of them is to be taken.
@@ -53,6 +54,7 @@ class LayerView:
     """
 
     made: int
+    within: float | None
     goal: tuple[str, ...]
     steps: tuple[str, ...]
     chosen: int
@@ -80,10 +82,10 @@ class Rules:
         return self._known[key]
 
 
-def view(layer: Layer, chosen: int, made: int, rules: Rules) -> LayerView:
+def view(layer: Layer, chosen: int, made: int, within: float | None, rules: Rules) -> LayerView:
     """Return a plan of the stack, explained in the belief in which it was made."""
     steps = tuple(title(parse_term(step.called)) for step in layer)
-    return LayerView(made, layer[-1].subgoal, steps, chosen, tuple(_chain(layer, chosen, rules)))
+    return LayerView(made, within, layer[-1].subgoal, steps, chosen, tuple(_chain(layer, chosen, rules)))
 
 
 def _chain(layer: Layer, start: int, rules: Rules) -> Sequence[Link]:

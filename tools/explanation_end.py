@@ -1,7 +1,7 @@
 """Why a run ended without success, and what would have to change for it to go on."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 
 from skolem.reasoner.hierarchy import PlanStack
@@ -9,10 +9,11 @@ from skolem.reasoner.instances import title
 from skolem.reasoner.regression import Step, regress
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, parse_term, prob
 from skolem.tools.explanation import Insight, truth
-from skolem.tools.explanation_objects import IMPLAUSIBLE, Choice, planned
+from skolem.tools.explanation_objects import Choice
+from skolem.tools.explanation_plans import IMPLAUSIBLE, planned
 from skolem.tools.recalled_geometry import NotRecordedError
 from skolem.traces.fluents import readable
-from skolem.traces.messages import Decision, Plan, RunEnd
+from skolem.traces.messages import Decision, Memory, Plan, RunEnd
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +46,22 @@ class Ending:
     remedies: tuple[Remedy, ...]
 
 
-def ending(insight: Insight, choice: Choice, end: RunEnd) -> Ending:
-    """Return why a run ended."""
+def ending(insight: Insight, choice: Choice, end: RunEnd, after: Memory | None) -> Ending:
+    """Return why a run ended.
+
+    Args:
+        insight: The mind at the last decision.
+        choice: The objects there were to choose.
+        end: How the run ended.
+        after: What was remembered when it had ended; None if the trace cannot tell.
+    """
     found = [*_short_of_the_goal(choice, end), *_properties(insight, choice), *_limits(insight, end)]
+    in_vain = _in_vain(insight, after)
+    repeats = f"limits.repeats above {insight.given.limits.repeats}, or what keeps it from working"
+    for name, count in in_vain.items():
+        found.append(Remedy("repeats", f"{name} was done {count} times without doing what it should", repeats))
     if end.status == "goal_unachievable":
-        found += [*_threshold(insight), *_impossible(insight), *_regions(insight)]
+        found += [*_threshold(insight), *_impossible(insight, in_vain), *_regions(insight)]
     return Ending(end.status, end.reason, tuple(found))
 
 
@@ -73,7 +85,7 @@ def _properties(insight: Insight, choice: Choice) -> Iterator[Remedy]:
 
 
 def _limits(insight: Insight, end: RunEnd) -> Iterator[Remedy]:
-    limits, memory = insight.given.limits, insight.recorded.memory
+    limits = insight.given.limits
     changes = len(insight.recorded.all_of(Plan))
     if end.steps >= limits.steps:
         yield Remedy("steps", f"{end.steps} actions were executed", f"limits.steps above {limits.steps}")
@@ -84,11 +96,21 @@ def _limits(insight: Insight, end: RunEnd) -> Iterator[Remedy]:
     if stopped:
         finding = f"{len(stopped)} of the last searches stopped at {limits.expansions} expansions without a plan"
         yield Remedy("expansions", finding, f"limits.expansions above {limits.expansions}")
-    often = sorted(memory.failures.items()) if memory is not None else []
-    for step, count in often:
-        if count >= limits.repeats:
-            finding = f"{title(parse_term(step))} was done {count} times without doing what it should"
-            yield Remedy("repeats", finding, f"limits.repeats above {limits.repeats}")
+
+
+def _in_vain(insight: Insight, after: Memory | None) -> dict[str, int]:
+    """Return the actions that are not tried again, with how often they did not do what they should.
+
+    The one that was done last is judged at the beginning of the last decision.
+    """
+    before, most = insight.recorded.memory, insight.given.limits.repeats
+    if before is None:
+        return {}
+    done = {step: step for step, count in before.failures.items() if count >= most}
+    done |= {} if before.executed is None else {before.executed.instance: before.executed.called}
+    failures = (after or before).failures
+    often = {step: count for step, count in sorted(failures.items()) if step in done and count >= most}
+    return {title(parse_term(done[step])): count for step, count in often.items()}
 
 
 def _threshold(insight: Insight) -> Iterator[Remedy]:
@@ -132,10 +154,10 @@ def _below(p: float) -> float:
     return float(f"{math.floor(p / unit) * unit:.2g}")
 
 
-def _impossible(insight: Insight) -> Iterator[Remedy]:
+def _impossible(insight: Insight, in_vain: Container[str]) -> Iterator[Remedy]:
     """Steps that could not be refined or executed in the believed world."""
     names = {n for p in insight.recorded.all_of(Plan) if p.cause == "refused" for n in p.false_fluents}
-    for name in sorted(names):
+    for name in sorted(names - {name for name in names if title(parse_term(name)) in in_vain}):
         finding = f"{title(parse_term(name))} was found impossible in the believed world"
         yield Remedy("geometry", finding, "a way to do it: other things, another arrangement, or a better known one")
     for answer in insight.recorded.answers:
@@ -145,7 +167,9 @@ def _impossible(insight: Insight) -> Iterator[Remedy]:
 
 
 def _regions(insight: Insight) -> Iterator[Remedy]:
-    """Regions that are not worth a search any more."""
+    """Regions that are not worth a search any more, if the goal could be about something that was not met yet."""
+    if not insight.given.goal.variables:
+        return
     regions = insight.belief.regions()
     if not regions:
         yield Remedy("region", "no region is known that could be searched", "a region in the prior (belief.regions)")

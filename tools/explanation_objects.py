@@ -4,12 +4,12 @@ import itertools
 from dataclasses import dataclass
 
 from skolem.reasoner.instances import title
-from skolem.reasoner.regression import Found, Subgoal, regress
+from skolem.reasoner.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, compound, nll, parse_term, prob, substitute
 from skolem.tools.explanation import Insight, Truth, truth
-from skolem.tools.recalled_geometry import NotRecordedError
+from skolem.tools.explanation_plans import IMPLAUSIBLE, beaten, planned
+from skolem.tools.explanation_regions import RegionOption, region_options
 
-IMPLAUSIBLE = 0.001  # as the query @plausible has it
 MOST_BINDINGS = 10_000  # of several variables, beyond which they are not told apart
 
 
@@ -28,6 +28,7 @@ class Option:
         probability: Of that plan; None if there is none.
         rejected: Why it was not chosen; empty if it was.
         refused: What the search refused first, with the reasons.
+        regions: Of an object not met yet, every region where it may be found; empty for a known one.
     """
 
     object: str
@@ -40,6 +41,7 @@ class Option:
     probability: float | None
     rejected: str
     refused: tuple[str, ...] = ()
+    regions: tuple[RegionOption, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,15 +89,6 @@ def _candidates(insight: Insight) -> list[tuple[Term, list[Subgoal]]]:
     return list(found.items())
 
 
-def planned(insight: Insight, root: Subgoal, worst: int) -> Found | None:
-    """Return the cheapest plan for one reading of the goal, no dearer than `worst`; None if the trace cannot tell."""
-    try:
-        most = insight.given.limits.expansions
-        return regress([root], insight.posed.offers, lambda _: 0, lambda *_: False, most, worst)
-    except NotRecordedError:
-        return None
-
-
 def _option(
     insight: Insight,
     name: Term,
@@ -125,6 +118,7 @@ def _option(
         probability=None if plan is None else prob(plan.cost),
         rejected="" if is_chosen else _why_not(insight, name, offered, plans, plan, best),
         refused=tuple(f"{c.op}: {c.rejected}" for f in plans[:1] for c in f.candidates if c.rejected),
+        regions=() if known else region_options(insight, root, plan if is_chosen else None, best),
     )
 
 
@@ -140,9 +134,7 @@ def _why_not(
         return _not_offered(insight, name)
     if plan is None:
         return _no_plan(insight, name, offered, plans)
-    if best is not None and plan.cost > best:
-        return f"its best plan has p = {prob(plan.cost):.3g}, the chosen one p = {prob(best):.3g}"
-    return "its plan is as good; what is risky comes later in the chosen one, or it comes first in the belief"
+    return beaten(plan.cost, best)
 
 
 def _no_plan(insight: Insight, name: Term, offered: list[Subgoal], plans: list[Found]) -> str:
@@ -156,7 +148,8 @@ def _no_plan(insight: Insight, name: Term, offered: list[Subgoal], plans: list[F
         p = prob(min(found.cost for found in dear))
         return f"its best plan has p = {p:.2g}, below {limits.min_plan_probability:g} (limits.min_plan_probability)"
     if isinstance(name, Compound):
-        return "no region that could hold it is left to search"
+        known = insight.belief.regions()
+        return "no region that could hold it is left to search" if known else "no region is known that could hold it"
     return "no plan, however unlikely"
 
 

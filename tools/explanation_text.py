@@ -3,12 +3,14 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from skolem.reasoner.terms import prob
+from skolem.reasoner.terms import CAP_MICRONATS, MICRO, prob
 from skolem.tools.explanation import Truth
 from skolem.tools.explanation_actions import LayerView, Link
 from skolem.tools.explanation_drops import Drop
 from skolem.tools.explanation_end import Ending
 from skolem.tools.explanation_objects import Choice, Option
+from skolem.tools.explanation_regions import RegionOption
+from skolem.tools.optimality import optimality
 from skolem.traces.fluents import readable
 
 
@@ -57,6 +59,18 @@ def _option(tree: Tree, option: Option) -> None:
         node.add(f"plan, p = {option.probability:.3g}: {'; '.join(option.plan)}")
     for refusal in option.refused[:5]:
         node.add(f"not used: {refusal}")
+    for region in option.regions:
+        _region(node, region)
+
+
+def _region(tree: Tree, option: RegionOption) -> None:
+    node = tree.add(f"in {option.region}: {'chosen' if option.chosen else option.rejected}")
+    inside = ", ".join(f"{e} {p:.3g}" for e, p in option.exists_in.items())
+    cost = f"{option.cost / MICRO:.2f}" if option.cost < CAP_MICRONATS else f"above {CAP_MICRONATS // MICRO}"
+    known = f"what it holds is known {option.contents:.3f}"
+    node.add(f"exists in it: {inside} (cost {cost} nats); {known}")
+    if option.plan:
+        node.add(f"plan, p = {option.probability:.3g}: {'; '.join(option.plan)}")
 
 
 def truth_text(found: Truth, before: float | None = None) -> str:
@@ -75,7 +89,7 @@ def action_tree(action: str, layers: Iterable[LayerView]) -> Tree:
         goal = " & ".join(map(readable, layer.goal))
         steps = "; ".join(f"<{s}>" if i == layer.chosen else s for i, s in enumerate(layer.steps))
         node = tree.add(f"plan {number + 1}, made at step {layer.made}, for {goal}")
-        node.add(steps)
+        node.add(f"{steps}  ({optimality(layer.within)})")
         for link in layer.chain:
             _link(node, link)
     return tree

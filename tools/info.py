@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from skolem.tools.optimality import optimality_of_all
 from skolem.tools.trace_account import Account, account
 from skolem.traces.messages import CLASS_OF
 from skolem.traces.reader import Trace
@@ -50,6 +51,12 @@ def _fields(run: Trace, found: Account) -> dict[str, object]:
         "executed": dict(sorted(found.executed.items())),
         "planned": dict(sorted(found.planned.items())),
         "searches": found.searches,
+        "plans": {
+            "found": len(found.within),
+            "optimal": found.within.count(1.0),
+            "bounded": sum(factor is not None for factor in found.within),
+            "within": max((factor for factor in found.within if factor is not None), default=None),
+        },
         "clingo_calls": found.clingo_calls,
         "topics": {
             topic: {"class": CLASS_OF[topic], "messages": found.messages[topic], "bytes": found.bytes[topic]}
@@ -82,6 +89,7 @@ def _lines(run: Trace, found: Account) -> Iterator[str]:
     yield f"planned      {_counts(found.planned)}"
     yield f"replans      {found.replans}; plan stack: {_counts(found.causes)}"
     yield f"reasoning    {found.searches} searches, {found.clingo_calls} rule calls"
+    yield f"plans        {optimality_of_all(found.within)}"
     yield f"content      {found.hashes.content}"
     yield f"decisions    {found.hashes.decision}"
     yield f"rules        {', '.join(sorted(run.attachments.keys() - {'scenario.yaml'})) or 'none attached'}"

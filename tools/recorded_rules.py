@@ -1,15 +1,45 @@
 """The rules of a recorded run, as they are attached to its trace or with some files replaced."""
 
+import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from skolem.reasoner.queries import Queries
+from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rulebook import RULE_FILES, Rulebook
-from skolem.reasoner.validate import RuleFile
 from skolem.traces.errors import Fault, InputError
 
 _FOLDER = "rules/"
+
+
+@dataclass(frozen=True, slots=True)
+class Overlay:
+    """How rule files from elsewhere lie over those of a trace, by file name.
+
+    Attributes:
+        changed: Replaced by another text.
+        added: Beside those of the trace.
+        kept: Not among the others, so taken from the trace: a file that was deleted, or is called otherwise now.
+    """
+
+    changed: tuple[str, ...]
+    added: tuple[str, ...]
+    kept: tuple[str, ...]
+
+    @classmethod
+    def of(cls, attachments: Mapping[str, bytes], replaced: Mapping[str, bytes]) -> "Overlay":
+        """Compare the files that are to be taken instead or beside with those of a trace."""
+        own = _attached(attachments)
+        changed = sorted(name for name in own.keys() & replaced.keys() if own[name] != replaced[name])
+        added, kept = sorted(replaced.keys() - own.keys()), sorted(own.keys() - replaced.keys())
+        return cls(tuple(changed), tuple(added), tuple(kept))
+
+    def __str__(self) -> str:
+        said = (("changed", self.changed), ("added", self.added), ("not in DIR, taken from the trace", self.kept))
+        parts = [f"{what}: {', '.join(names)}" for what, names in said if names]
+        return f"rules {'; '.join(parts)}" if parts else "rules as in the trace"
 
 
 def rulebook_of(attachments: Mapping[str, bytes]) -> Rulebook:
@@ -24,7 +54,13 @@ def rulebook_of(attachments: Mapping[str, bytes]) -> Rulebook:
 class Rulebooks:
     """The rules of recorded runs; runs with the same rule files share them, which saves half of the work."""
 
-    def __init__(self) -> None:
+    def __init__(self, folder: Path | None = None) -> None:
+        """Know none yet.
+
+        Args:
+            folder: Where files that are taken instead or beside lie, as faults name them; None: as those of the trace.
+        """
+        self._folder = _FOLDER if folder is None else f"{folder}/"
         self._known: dict[tuple[tuple[str, bytes], ...], Rulebook] = {}
 
     def of(self, attachments: Mapping[str, bytes], replaced: Mapping[str, bytes] | None = None) -> Rulebook:
@@ -37,11 +73,16 @@ class Rulebooks:
         Raises:
             InputError: With every fault in every file.
         """
-        attached = {name.removeprefix(_FOLDER): data for name, data in attachments.items() if name.startswith(_FOLDER)}
-        files = attached | dict(replaced or {})
+        replaced = replaced or {}
+        files = _attached(attachments) | dict(replaced)
         key = tuple(sorted(files.items()))
         if key not in self._known:
-            rulebook = _read(files)
+            titles = {name: (self._folder if name in replaced else _FOLDER) + name for name in files}
+            try:
+                rulebook = _read(files, titles)
+            except InputError as error:
+                hints = self._hints(error.faults, Overlay.of(attachments, replaced).kept if replaced else ())
+                raise InputError([*error.faults, *hints]) from error
             if replaced:
                 from skolem.reasoner.linting import refuse_wrong  # takes time, and other replays do without
 
@@ -49,19 +90,40 @@ class Rulebooks:
             self._known[key] = rulebook
         return self._known[key]
 
+    def _hints(self, faults: Sequence[Fault], kept: Sequence[str]) -> Iterator[Fault]:
+        """Yield where a faulty file comes from that one may think to be gone, and how to do without it."""
+        for name in kept:
+            if any(_FOLDER + name in (fault.file, *re.findall(r"[^\s:]+", fault.message)) for fault in faults):
+                said = f"is not there, so it is taken from the trace as {_FOLDER}{name}; an empty file leaves it out"
+                yield Fault(self._folder + name, 0, 0, said)
 
-def _read(files: Mapping[str, bytes]) -> Rulebook:
+
+def _attached(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return the rule files among the attachments of a trace, by file name."""
+    return {name.removeprefix(_FOLDER): data for name, data in attachments.items() if name.startswith(_FOLDER)}
+
+
+def _read(files: Mapping[str, bytes], titles: Mapping[str, str]) -> Rulebook:
+    """Return the rules in files, whose titles faults give instead of where clingo reads them."""
     shipped = [f"{name}.lp" for name in RULE_FILES]
     order = [*(name for name in shipped if name in files), *sorted(files.keys() - set(shipped))]
     with tempfile.TemporaryDirectory() as folder:  # clingo reads files
-        return Rulebook.of(Queries, [_written(Path(folder), name, files[name], name not in shipped) for name in order])
+        sources = []
+        for name in order:
+            path = Path(folder) / name
+            path.write_bytes(files[name])
+            sources.append(RuleFile(path.stem, titles[name], str(path), files[name], name not in shipped))
+        try:
+            return Rulebook.of(Queries, sources)
+        except InputError as error:
+            raise InputError(_retold(fault, sources) for fault in error.faults) from error
 
 
-def _written(folder: Path, name: str, content: bytes, own: bool) -> RuleFile:
-    """Write a rule file for clingo, and return it."""
-    path = folder / name
-    path.write_bytes(content)
-    return RuleFile(path.stem, _FOLDER + name, str(path), content, own)
+def _retold(fault: Fault, sources: Sequence[RuleFile]) -> Fault:
+    """Return a fault whose message names other files by their titles too."""
+    for source in sources:
+        fault = replace(fault, message=fault.message.replace(source.path, source.title))
+    return fault
 
 
 def files_in(folder: Path) -> dict[str, bytes]:

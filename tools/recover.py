@@ -17,7 +17,7 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 def recover(
     bad: Annotated[Path, typer.Argument(help="Trace that is cut off or damaged, also NAME.mcap.partial.")],
     out: Annotated[
-        Path, typer.Option("-o", "--out", help="Where to write what is whole; an existing file is replaced.")
+        Path, typer.Option("-o", "--out", help="Where to write what is whole; an existing file is not replaced.")
     ],
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
@@ -27,7 +27,7 @@ def recover(
 
     The result can be read, shown and replayed as far as it goes; `skolem check` says what is missing.
 
-    Exit status: 0 saved, 2 the result cannot be written, 3 nothing can be saved.
+    Exit status: 0 saved, 2 the result cannot be written, or exists, 3 nothing can be saved.
     """
     found = recover_trace(bad, out)
     for damage in found.lost:

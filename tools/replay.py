@@ -23,7 +23,9 @@ def replay(
     ] = False,
     rules: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="What if: rule files that replace those of the same name in the trace."),
+        typer.Option(
+            metavar="DIR", help="What if: rule files that replace those of the same name in the trace, or are added."
+        ),
     ] = None,
     set_: Annotated[
         list[str] | None,

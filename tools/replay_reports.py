@@ -9,7 +9,7 @@ from typing import Literal
 
 from skolem.tools import fingerprint
 from skolem.tools.divergences import comparison_fields, divergence_lines
-from skolem.tools.recorded_rules import Rulebooks, files_in
+from skolem.tools.recorded_rules import Rulebooks
 from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replaying import Options, Replayed, replay
 from skolem.tools.stopwatch import Stopwatch
@@ -68,7 +68,7 @@ def execute(traces: Sequence[Path], wanted: Wanted, json: bool) -> int:
     if wanted.rules is not None or wanted.overrides:
         from skolem.tools.what_if_reports import WhatIf
 
-        what_if = WhatIf(files_in(wanted.rules) if wanted.rules else {}, wanted.overrides)
+        what_if = WhatIf(wanted.rules, wanted.overrides)
     rulebooks = Rulebooks()
     found: Counter[Status] = Counter()
     for path in traces:

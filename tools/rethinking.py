@@ -10,7 +10,7 @@ from skolem.tools.recalled_geometry import RecalledGeometry
 from skolem.tools.recorded_run import RecordedRun, RecordedStep
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.codec import HashChain, encode
-from skolem.traces.errors import Fault, InputError
+from skolem.traces.errors import Fault, InputError, told
 from skolem.traces.messages import CLASS_OF, INPUT, Action, Chain, Geometry, Limits, Message, Prior, RunEnd
 from skolem.traces.reader import Recorded
 
@@ -108,7 +108,7 @@ class Rethinking:
         try:
             turn = self._mind.decide(recorded.step)
         except Exception as error:
-            failure = f"{type(error).__name__}: {error}".rstrip(": ")
+            failure = told(error)
             self._note(recorded, failure)
         return Thought(self._messages(recorded, turn), turn, failure)
 

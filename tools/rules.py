@@ -1,7 +1,9 @@
 """The verb `rules`: check rule files, print the reference of the rules."""
 
 import json as json_format
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -39,24 +41,40 @@ def check(
 
     Exit status: 0 nothing to complain of, 1 warnings only, 2 a fault: such rules are refused.
     """
+    complaints, certain = _complaints(paths or [])
+    _report(complaints, certain, json)
+    severities = {complaint.severity for complaint in complaints}
+    raise typer.Exit(WRONG if "error" in severities else DOUBTFUL if "warning" in severities else 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Complaint:
+    """Something to say of rule files: `error`, `warning`, or `allowed` with the reason that stands in the file."""
+
+    fault: Fault
+    severity: str
+    code: str
+    allowed: str = ""
+
+
+def _complaints(paths: Sequence[Path]) -> tuple[list[Complaint], bool]:
+    """Return everything to say of rule files, by place, and whether that is all."""
+    from skolem.reasoner.examination import examine
     from skolem.reasoner.linting import NOT_A_FLUENT, findings
+    from skolem.reasoner.queries import Queries
+    from skolem.reasoner.rulebook import rule_files
 
     try:
-        rulebook = _load(paths or [])
+        sources, unread = rule_files(*_meant(paths))
     except InputError as error:
-        rows = [row | {"severity": "error", "code": "refused", "allowed": ""} for row in fault_rows(error)]
-        _report(rows, error.faults, json)
-        raise typer.Exit(WRONG) from error
-    found = findings(rulebook)
-    faults = [*rulebook.warnings, *(finding.fault for finding in found)]
-    rows = [row | {"severity": "warning", "code": "words", "allowed": ""} for row in _rows(rulebook.warnings)]
-    for finding in found:
+        return [Complaint(fault, "error", "refused") for fault in error.faults], False
+    examined = examine(sources, Queries, complete=not unread)
+    found = [Complaint(fault, "error", "refused") for fault in (*unread, *examined.faults)]
+    found += [Complaint(fault, "warning", "words") for fault in examined.warnings]
+    for finding in findings(examined):
         severity = "error" if finding.code == NOT_A_FLUENT else "allowed" if finding.allowed else "warning"
-        extra = {"severity": severity, "code": finding.code, "allowed": finding.allowed}
-        rows += [row | extra for row in _rows([finding.fault])]
-    _report(rows, faults, json)
-    severities = {row["severity"] for row in rows}
-    raise typer.Exit(WRONG if "error" in severities else DOUBTFUL if "warning" in severities else 0)
+        found.append(Complaint(finding.fault, severity, finding.code, finding.allowed))
+    return sorted(found, key=lambda complaint: complaint.fault), not unread and not examined.doubt
 
 
 @app.command()
@@ -86,7 +104,18 @@ def _load(paths: Sequence[Path]) -> "Rulebook":
         InputError: With every fault in them.
     """
     from skolem.reasoner.queries import Queries
-    from skolem.reasoner.rulebook import RULE_FILES, Rulebook
+    from skolem.reasoner.rulebook import Rulebook
+
+    return Rulebook.load(Queries, *_meant(paths))
+
+
+def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:
+    """Return a user's own rule files, and the folder that stands for the rules that ship; None for those.
+
+    Raises:
+        InputError: If a folder has no rule file.
+    """
+    from skolem.reasoner.rulebook import RULE_FILES
 
     own: list[Path] = []
     whole: Path | None = None
@@ -97,25 +126,28 @@ def _load(paths: Sequence[Path]) -> "Rulebook":
         if {f"{name}.lp" for name in RULE_FILES} <= {file.name for file in inside}:
             whole, inside = path, [file for file in inside if file.stem not in RULE_FILES]
         own += inside
-    return Rulebook.load(Queries, own, whole)
+    return own, whole
 
 
-def _rows(faults: Sequence[Fault]) -> list[dict[str, object]]:
-    return fault_rows(InputError(faults))
-
-
-def _report(rows: Sequence[dict[str, object]], faults: Sequence[Fault], json: bool) -> None:
+def _report(complaints: Sequence[Complaint], certain: bool, json: bool) -> None:
     """Print complaints; what is allowed is counted, and listed for machines only."""
     if json:
-        for row in rows:
-            print(json_format.dumps(row))
+        faults = fault_rows(InputError([complaint.fault for complaint in complaints]))
+        for row, found in zip(faults, complaints, strict=True):
+            extra = {"severity": found.severity, "code": found.code, "allowed": found.allowed, "complete": certain}
+            print(json_format.dumps(row | extra))
         return
-    count = {"error": 0, "warning": 0, "allowed": 0}
-    for row, fault in zip(rows, faults, strict=True):
-        severity = str(row["severity"])
-        count[severity] += 1
-        if severity != "allowed":
-            message = fault.message.removeprefix("warning: ")
-            hint = f" [{row['code']}]" if severity == "warning" else ""
-            print(Fault(fault.file, fault.line, fault.column, f"{severity}: {message}{hint}", fault.at, fault.excerpt))
-    print(", ".join(f"{number} {name}" for name, number in count.items() if number) or "nothing to complain of")
+    for found in complaints:
+        if found.severity != "allowed":
+            hint = f" [{found.code}]" if found.severity == "warning" else ""
+            message = f"{found.severity}: {found.fault.message.removeprefix('warning: ')}{hint}"
+            print(replace(found.fault, message=message))
+    counts = Counter(complaint.severity for complaint in complaints)
+    said = [_counted(counts[severity], severity) for severity in ("error", "warning", "allowed") if counts[severity]]
+    print(", ".join(said) or "nothing to complain of")
+    if not certain:
+        print("more may follow once these are mended")
+
+
+def _counted(number: int, severity: str) -> str:
+    return f"{number} {severity}{'s' if number > 1 and severity != 'allowed' else ''}"

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from skolem.tools.belief_table import COLUMNS, belief_rows, object_cells, probability, table_lines
+from skolem.tools.optimality import optimality
 from skolem.tools.plan_tree import DROPPED, drop_line, plan_lines
 from skolem.tools.recorded_rules import rulebook_of
 from skolem.traces.errors import Fault, InputError
@@ -17,6 +18,7 @@ from skolem.traces.messages import (
     Decision,
     Denotation,
     Detection,
+    IdentityChange,
     Meaning,
     Observation,
     Plan,
@@ -26,7 +28,7 @@ from skolem.traces.reader import Trace
 
 TOPICS = ("/belief", "/denotation", "/plan", "/decision", "/action", "/action/result", "/obs", "/run/end")
 CANDIDATES = 12  # shown of one search, cheapest first
-HISTORY_COLUMNS = ("step", "after", "exists", *COLUMNS[1:])
+HISTORY_COLUMNS = ("step", "after", "exists", *COLUMNS[1:], "identity")
 
 
 @dataclass(slots=True)
@@ -37,6 +39,7 @@ class Moment:
         step: Actions executed before.
         tick: Simulated time of the decision.
         belief: What was believed.
+        identity: Which anchors turned out since the decision before to be of one object, or one to have been two.
         denotation: Whom the robot took to be meant; None in a trace that does not say.
         stack: The plan stack with which the decision ended.
         plans: Every change of the plan stack.
@@ -50,6 +53,7 @@ class Moment:
     step: int
     tick: int = 0
     belief: Belief | None = None
+    identity: tuple[IdentityChange, ...] = ()
     denotation: Denotation | None = None
     stack: Plan | None = None
     plans: list[Plan] = field(default_factory=list)
@@ -86,7 +90,7 @@ def moment(trace: Trace, step: int) -> Moment:
     Raises:
         InputError: If the run has none of that number.
     """
-    found, last = Moment(step), 0
+    found, last, before = Moment(step), 0, 0
     for recorded in trace.messages(*TOPICS):
         message = recorded.message
         if isinstance(message, Plan) and message.step <= step:
@@ -96,6 +100,9 @@ def moment(trace: Trace, step: int) -> Moment:
         elif (last := getattr(message, "step", last)) == step:
             found.tick = recorded.tick if isinstance(message, Belief) else found.tick
             found.take(message)
+        if isinstance(message, Belief):
+            found.identity = message.identity[before:] if message.step == step else found.identity
+            before = len(message.identity)
     if found.belief is None:
         raise InputError([Fault("--step", 0, 0, f"the run has decisions 0 to {last}, got {step}")])
     return found
@@ -106,6 +113,7 @@ def moment_lines(found: Moment, meanings: Mapping[str, Meaning]) -> list[str]:
     assert found.belief is not None, "`moment` has found one"
     lines = [f"step {found.step}, {found.tick / TICKS_PER_SECOND:.2f} s simulated", ""]
     lines += table_lines(COLUMNS, belief_rows(found.belief, meanings))
+    lines += [f"identity: {identity_text(change)}" for change in found.identity]
     lines += [*_doubts(found.belief), *_regions(found.belief), *_meant(found.denotation)]
     if any(plan.cause in DROPPED for plan in found.plans):
         lines += ["", *(drop_line(plan) for plan in found.plans if plan.cause in DROPPED)]
@@ -115,6 +123,13 @@ def moment_lines(found: Moment, meanings: Mapping[str, Meaning]) -> list[str]:
     for decision in found.decisions:
         lines += ["", *_search(decision)]
     return [*lines, "", *_outcome(found)]
+
+
+def identity_text(change: IdentityChange) -> str:
+    """Return in words which anchors turned out to be of one object, or one to have been two."""
+    if change.kind == "merged":
+        return f"{change.other} turned out to be {change.anchor}, whose name goes on"
+    return f"{change.anchor} turned out to be two objects"
 
 
 def _doubts(belief: Belief) -> list[str]:
@@ -136,8 +151,11 @@ def _meant(denotation: Denotation | None) -> Iterator[str]:
 def _search(decision: Decision) -> Iterator[str]:
     """Yield what was asked, what was found, and the candidates of the first expansion."""
     yield f"search for {' & '.join(map(readable, decision.subgoal))}"
-    found = f"p = {math.exp(-decision.cost / 1e6):.3f}: {' ; '.join(decision.plan)}" if decision.plan else "no plan"
-    yield f"  {found}"
+    if decision.plan:
+        p = math.exp(-decision.cost / 1e6)
+        yield f"  p = {p:.3f}, {optimality(decision.within)}: {' ; '.join(decision.plan)}"
+    else:
+        yield "  no plan"
     calls = f"{decision.clingo_calls} rule call{'' if decision.clingo_calls == 1 else 's'}"
     expansions = f"{decision.expansions} expansion{'' if decision.expansions == 1 else 's'}"
     yield f"  {expansions}, {calls}, {decision.ground_atoms} ground atoms"
@@ -191,6 +209,7 @@ def moment_fields(found: Moment, meanings: Mapping[str, Meaning]) -> dict[str, o
         "step": found.step,
         "simulated_s": round(found.tick / TICKS_PER_SECOND, 3),
         "belief": [dict(zip(COLUMNS, row, strict=True)) for row in belief_rows(found.belief, meanings)],
+        "identity": [change.model_dump(mode="json") for change in found.identity],
         "exists": {anchor: found.belief.objects[anchor].exists for anchor in found.belief.anchors},
         "plans": [plan.model_dump(mode="json") for plan in found.plans],
         "decisions": [decision.model_dump(mode="json") for decision in found.decisions],
@@ -198,22 +217,27 @@ def moment_fields(found: Moment, meanings: Mapping[str, Meaning]) -> dict[str, o
 
 
 def history(trace: Trace, anchor: str, meanings: Mapping[str, Meaning]) -> list[tuple[str, ...]]:
-    """Return an object's rows, one per decision at which it is believed in: step, what was done before, the cells.
+    """Return an object's rows, one per decision at which it is believed in, or at which it turned out to be another.
+
+    A row is the step, what was done before, the cells, and what turned out since the row before about who is who.
 
     Raises:
         InputError: If no belief of the run has an object of that name.
     """
     rows: list[tuple[str, ...]] = []
-    known, did = set[str](), ""
+    known, did, before = set[str](), "", 0
     for recorded in trace.messages("/belief", "/action"):
         message = recorded.message
         if isinstance(message, Action):
             did = message.op
         elif isinstance(message, Belief):
             known |= message.objects.keys()
-            if anchor in message.objects:
-                item = message.objects[anchor]
-                rows.append((str(message.step), did, probability(item.exists), *object_cells(item, meanings)))
+            changes = [c for c in message.identity[before:] if anchor in (c.anchor, c.other)]
+            before = len(message.identity)
+            item = message.objects.get(anchor)
+            if item is not None or changes:
+                cells = ("",) * 5 if item is None else (probability(item.exists), *object_cells(item, meanings))
+                rows.append((str(message.step), did, *cells, "; ".join(map(identity_text, changes))))
     if not rows:
         raise InputError([Fault("--object", 0, 0, f"no belief has {anchor!r}; there are: {', '.join(sorted(known))}")])
     return rows

@@ -28,6 +28,7 @@ class Account:
         executed: Operators that were carried out, with counts.
         planned: Operators and inference rules in plans, with counts.
         searches: Calls of the regression.
+        within: Of every plan that was found, how near it is known to be to the best one, as `Decision.within`.
         clingo_calls: Calls of the rules.
         simulated_s: Simulated time, in seconds.
         messages: Number of messages by topic.
@@ -44,6 +45,7 @@ class Account:
     executed: Counter[str] = field(default_factory=Counter)
     planned: Counter[str] = field(default_factory=Counter)
     searches: int = 0
+    within: list[float | None] = field(default_factory=list)
     clingo_calls: int = 0
     simulated_s: float = 0.0
     messages: Counter[str] = field(default_factory=Counter)
@@ -74,8 +76,9 @@ class Account:
             case Plan(cause=cause):
                 self.causes[cause] += 1
                 self.replans += cause in DROPPED
-            case Decision(plan=plan, clingo_calls=calls):
+            case Decision(plan=plan, within=within, clingo_calls=calls):
                 self.planned.update(map(operator, plan))
+                self.within += [within] if plan else []
                 self.searches += 1
                 self.clingo_calls += calls
             case _:

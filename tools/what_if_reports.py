@@ -1,11 +1,12 @@
 """What-if replays from the command line: what changes in a run, in words."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
 
 from skolem.tools.other_minds import changes_of, given_with
-from skolem.tools.recorded_rules import Rulebooks
+from skolem.tools.recorded_rules import Overlay, Rulebooks, files_in
 from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replay_reports import Report
 from skolem.tools.stopwatch import Stopwatch
@@ -17,14 +18,18 @@ SHOWN = 200  # characters of a line
 class WhatIf:
     """The same changes, for one run after the other."""
 
-    def __init__(self, rules: Mapping[str, bytes], overrides: Sequence[str]) -> None:
+    def __init__(self, folder: Path | None, overrides: Sequence[str]) -> None:
         """Take over what is to be otherwise.
 
+        Args:
+            folder: Holds rule files that are taken instead of those of the same name, or beside; None: no others.
+            overrides: `a.b=value` of the scenario, goal or threshold.
+
         Raises:
-            InputError: If an override is about what was recorded.
+            InputError: If there are no rule files in the folder, or an override is about what was recorded.
         """
-        self._changes = changes_of(rules, overrides)
-        self._rulebooks = Rulebooks()
+        self._changes = changes_of(files_in(folder) if folder else {}, overrides)
+        self._rulebooks = Rulebooks(folder)
 
     def report(self, run: RecordedRun) -> Report:
         """Return what would change in a run.
@@ -34,14 +39,17 @@ class WhatIf:
         """
         foreseen = foresee(run, given_with(run, self._changes, self._rulebooks), Stopwatch())
         rows = [asdict(altered) for altered in foreseen.altered]
+        overlay = Overlay.of(run.attachments, self._changes.rules) if self._changes.rules else None
         fields = {
+            "rules": None if overlay is None else asdict(overlay),
             "decisions": foreseen.decisions,
             "recorded": foreseen.recorded,
             "altered": rows,
             "stopped": foreseen.stopped,
             "planned_questions": foreseen.planned,
         }
-        return Report("changed" if rows else "same", _lines(foreseen), fields)
+        lines = [*_lines(foreseen), *([] if overlay is None else [str(overlay)])]
+        return Report("changed" if rows else "same", lines, fields)
 
 
 def _lines(foreseen: Foreseen) -> list[str]:

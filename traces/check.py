@@ -11,19 +11,21 @@ from functools import cache
 from pathlib import Path
 from typing import Never
 
+from google.protobuf.message import Message as Protobuf
 from mcap.records import Attachment, Channel, Chunk, ChunkIndex, DataEnd, Footer, Metadata, Schema
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE
-from pydantic import ValidationError
 
 from skolem.traces.clock import tick_at, time_ns
-from skolem.traces.codec import ContentHash, HashChain, counter_of, decode, encode, schema_bytes, schema_name
+from skolem.traces.codec import ContentHash, HashChain, counter_of, decode, encode, misfit, schema_bytes, schema_name
 from skolem.traces.container import CRC_SIZE, DamageError, Piece, contents, pieces
 from skolem.traces.errors import TraceError
-from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, RunStart
+from skolem.traces.known_fields import KnownFields
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunStart, canonical
 from skolem.traces.reader import MAGIC, opened
 
 RECOVER = "`skolem recover {path} -o GOOD.mcap` saves every message that is whole"
+OLDER = "remark: this skolem has other schemas for {topics}; it reads these messages, and the schemas are not compared"
 AGAIN = "take the file from where it was recorded; nothing can tell what it said there"
 FOREIGN = "this skolem cannot read it; use the version that recorded it (`skolem info` names it)"
 KILLED = "the run was killed; what is recorded can be read, shown and replayed as far as it goes"
@@ -77,6 +79,7 @@ class Checked:
         steps: Executed actions among them.
         content_hash: Of what was read but wall times.
         decision_hash: Of what the robot sensed, believed and decided.
+        remarks: What is unusual and no fault.
     """
 
     path: Path
@@ -85,6 +88,7 @@ class Checked:
     steps: int
     content_hash: str
     decision_hash: str
+    remarks: tuple[str, ...] = ()
 
     @property
     def sound(self) -> bool:
@@ -97,7 +101,7 @@ def check(path: Path) -> Checked:
     examiner = _Examiner()
     flaw = _first_flaw(path, examiner)
     hashes = examiner.hashes
-    return Checked(path, flaw, examiner.number, examiner.results, hashes.content, hashes.decision)
+    return Checked(path, flaw, examiner.number, examiner.results, hashes.content, hashes.decision, examiner.remarks)
 
 
 def _first_flaw(path: Path, examiner: "_Examiner") -> Flaw | None:
@@ -171,6 +175,7 @@ class _Examiner:
         self._counters = {"decision": 0, "truth": 0, "perf": 0}
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, str] = {}
+        self._older: dict[str, KnownFields | None] = {}  # by topic whose schema is not this version's; None of protobuf
         self._attached: dict[str, str] = {}
         self._metadata: dict[str, dict[str, str]] = {}
         self._start: RunStart | None = None
@@ -179,6 +184,11 @@ class _Examiner:
         self._step: int | None = None
         self._byte: int | None = MAGIC_SIZE
         self._topic: str | None = None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is unusual so far, and no fault."""
+        return (OLDER.format(topics=", ".join(sorted(self._older))),) if self._older else ()
 
     def take(self, piece: Piece) -> None:
         """Take in the next record of the container.
@@ -223,7 +233,7 @@ class _Examiner:
             self._fail(f"has schema version {written}, known is {SCHEMA_VERSION}", FOREIGN)
 
     def _take_channel(self, channel: Channel) -> None:
-        """Compare a topic's schema with the one this version would write."""
+        """Compare a topic's schema with the one this version would write; fields may have been added since."""
         topic, schema = channel.topic, self._schemas.get(channel.schema_id)
         if topic not in CLASS_OF:
             self._fail(f"there is no topic {topic}", FOREIGN)
@@ -231,9 +241,17 @@ class _Examiner:
         if schema is None or (schema.name, schema.encoding) != (schema_name(topic), schema_encoding):
             found = "none" if schema is None else f"{schema.encoding} {schema.name}"
             self._fail(f"{topic} has the schema {found}, expected {schema_encoding} {schema_name(topic)}", FOREIGN)
-        if schema.data != _expected_schema(topic) or channel.message_encoding != encoding:
-            self._fail(f"the schema of {topic} is not the one that this version knows by that name", FOREIGN)
+        if channel.message_encoding != encoding:
+            self._fail(f"messages of {topic} are {channel.message_encoding}, expected {encoding}", FOREIGN)
+        if schema.data != _expected_schema(topic):
+            self._older[topic] = self._known_fields(topic, schema) if topic in JSON_TOPICS else None
         self._channels[channel.id] = topic
+
+    def _known_fields(self, topic: str, schema: Schema) -> KnownFields:
+        try:
+            return KnownFields(schema.data)
+        except (ValueError, AttributeError):
+            self._fail(f"the schema of {topic} is no JSON Schema", AGAIN)
 
     def _take_message(self, topic: str, record: McapMessage) -> None:
         """Compare a message with those before and with its own schema."""
@@ -261,17 +279,20 @@ class _Examiner:
     def _decoded(self, topic: str, data: bytes) -> object:
         try:
             message = decode(topic, data)
-        except ValidationError as error:
-            first = error.errors()[0]
-            where = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"])
-            self._fail(f"{where or 'its text'}: {first['msg']}", AGAIN)
         except ValueError as error:
-            self._fail(f"does not follow its schema: {error}", AGAIN)
-        written = encode(topic, message)
-        if written != data:
+            self._fail(misfit(error), FOREIGN if topic in self._older else AGAIN)
+        written = self._encoded(topic, message)
+        if written is not None and written != data:
             byte = next((i for i, (a, b) in enumerate(zip(written, data, strict=False)) if a != b), len(written))
             self._fail(f"is not written canonically, from byte {byte} of the message on", AGAIN)
         return message
+
+    def _encoded(self, topic: str, message: Message | Protobuf) -> bytes | None:
+        """Return a message as the version that wrote it would have; None if that cannot be told."""
+        if topic not in self._older:
+            return encode(topic, message)
+        known = self._older[topic]
+        return canonical(known.of(message.model_dump(mode="json"))) if known and isinstance(message, Message) else None
 
     def _check_order(self, topic: str, message: object) -> None:
         """See to it that the run begins with its start and ends with its end."""

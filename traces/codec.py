@@ -12,6 +12,7 @@ from typing import Any
 
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as Protobuf
+from pydantic import ValidationError
 
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, PERF, PROTOBUF_TOPICS, TRUTH, Message
@@ -46,6 +47,15 @@ def decode(topic: str, data: bytes) -> Message | Protobuf:
         return protobuf_class(topic).FromString(data)
     except DecodeError as error:
         raise ValueError(str(error)) from error
+
+
+def misfit(error: ValueError) -> str:
+    """Return in one line why `decode` refused a message: the first field that does not fit, and what was expected."""
+    if not isinstance(error, ValidationError):
+        return f"does not follow its schema: {error}"
+    first = error.errors(include_url=False)[0]
+    where = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"])
+    return f"{where or 'its text'}: {first['msg']}"
 
 
 def protobuf_class(topic: str) -> Any:

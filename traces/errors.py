@@ -6,8 +6,12 @@ SkolemError
 └── InternalError     the product's own contract was broken (a rule file without exactly one answer set, ...)
 """
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Final
+
+_FOLDERS: Final = re.compile(r"(?<![\w.])/(?:[^\s/:'\"]+/)+")  # of an absolute path, in a text
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -39,6 +43,12 @@ class Fault:
         text = self.excerpt.lstrip()
         caret = " " * max(0, self.column - 1 - (len(self.excerpt) - len(text)))
         return f"{head}\n    {text}\n    {caret}^"
+
+
+def told(error: BaseException) -> str:
+    """Return an exception as a trace tells it: its type and what it says, but not where files lie on this machine."""
+    said = error.strerror or "" if isinstance(error, OSError) else _FOLDERS.sub("", str(error))
+    return f"{type(error).__name__}: {said}".rstrip(": ")
 
 
 class SkolemError(Exception):

@@ -7,7 +7,7 @@ import io
 import struct
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import IO, TypeVar
@@ -20,14 +20,15 @@ from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE, breakup_chunk
 
 from skolem.traces.clock import tick_at, time_ns
-from skolem.traces.codec import ContentHash, counter_of, decode
+from skolem.traces.codec import ContentHash, counter_of, decode, misfit
 from skolem.traces.errors import TraceError
-from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Message
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, TICKS_PER_SECOND, Message
 
 MAGIC = b"\x89MCAP0\r\n"  # the first and the last bytes of the file
 DATA_END_SIZE = 1 + 8 + 4
 BLOCK_BYTES = 1 << 20
 RECOVER = "`skolem recover` saves what is whole"
+UNREADABLE = "`skolem check` says whether the trace was changed; if not, use the version that recorded it"
 
 M = TypeVar("M", bound=Message)
 
@@ -41,12 +42,14 @@ class Recorded:
         tick: Simulated time, in ticks since the start.
         sequence: Position among the messages of its class group (decisions, truth, perf).
         data: The bytes as recorded.
+        path: The trace, for errors; None of a message that is in no file.
     """
 
     topic: str
     tick: int
     sequence: int
     data: bytes
+    path: Path | None = field(default=None, compare=False, repr=False)
 
     @property
     def message(self) -> Message | Protobuf:
@@ -58,7 +61,9 @@ class Recorded:
         try:
             return decode(self.topic, self.data)
         except ValueError as error:
-            raise TraceError(f"message {self.sequence} of {self.topic} does not follow its schema: {error}") from error
+            file, time = f"{self.path}: " if self.path else "", f"{self.tick / TICKS_PER_SECOND:.2f} s"
+            place = f"{self.topic}, {counter_of(self.topic)} message {self.sequence}, {time}"
+            raise TraceError(f"{file}{place}: {misfit(error)}; {UNREADABLE}") from error
 
 
 class Trace:
@@ -203,4 +208,4 @@ def _indexed(path: Path, topics: tuple[str, ...]) -> Iterator[tuple[Channel, Mca
 def _recorded(path: Path, channel: Channel, record: McapMessage) -> Recorded:
     if channel.topic not in CLASS_OF:
         raise TraceError(f"{path}: unknown topic {channel.topic}; known are: {', '.join(CLASS_OF)}")
-    return Recorded(channel.topic, tick_at(record.log_time), record.sequence, record.data)
+    return Recorded(channel.topic, tick_at(record.log_time), record.sequence, record.data, path)

@@ -46,11 +46,13 @@ def recover(bad: Path, good: Path) -> Recovered:
     by the index at the end of the file; a file that was cut off has none, and is saved up to that place.
 
     Raises:
-        InputError: If `good` cannot be written, or is the same file.
+        InputError: If `good` cannot be written, or exists: what lies there may be worth more than what is saved.
         TraceError: If `bad` is no MCAP file, or no message in it is whole.
     """
     if good.resolve() == bad.resolve():
         raise InputError([Fault(str(good), 0, 0, "is the damaged file itself; give another name")])
+    if good.exists():
+        raise InputError([Fault(str(good), 0, 0, "exists and is not replaced; give another name, or remove it first")])
     found = Recovered(good)
     with opened(bad) as file:
         index = _Index.read(file)

@@ -15,7 +15,7 @@ from mcap.writer import CompressionType, Writer
 
 from skolem.traces.clock import time_ns
 from skolem.traces.codec import ContentHash, HashChain, counter_of, encode, schema_bytes, schema_name
-from skolem.traces.errors import Fault, InputError, InternalError
+from skolem.traces.errors import Fault, InputError, InternalError, told
 from skolem.traces.interrupts import interrupts_held
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunEnd, RunStatus
 
@@ -142,7 +142,7 @@ class TraceWriter:
     def _cut_short(self, error: BaseException | None) -> None:
         """Write the end record of a run that did not write its own."""
         status: RunStatus = "interrupted" if isinstance(error, KeyboardInterrupt) else "error"
-        reason = "closed without an end record" if error is None else f"{type(error).__name__}: {error}".rstrip(": ")
+        reason = "closed without an end record" if error is None else told(error)
         probability, anchor = self._candidate
         end = RunEnd(
             status=status,

@@ -1,8 +1,11 @@
 // Read a trace with @mcap/core, by its index and as a stream, and print what is in it as one JSON object:
-// per topic its schema's name, encoding and text, its message encoding and the number of messages.
+// per topic its schema's name, encoding and text, its message encoding, the number of messages, and the messages
+// as the file's own schema has them: JSON parsed, protobuf by the descriptors in the file.
 import { open } from "node:fs/promises";
 import { McapIndexedReader, McapStreamReader } from "@mcap/core";
 import zstd from "@foxglove/wasm-zstd";
+import protobuf from "protobufjs";
+import descriptor from "protobufjs/ext/descriptor/index.js";
 
 await zstd.isLoaded;
 const decompressHandlers = { zstd: (data, size) => zstd.decompress(data, Number(size)) };
@@ -17,14 +20,32 @@ function entry(topics, channel, schemas) {
     schemaBase64: Buffer.from(schema.data).toString("base64"),
     encoding: channel.messageEncoding,
     messages: 0,
+    contents: [],
   };
   return topics[channel.topic];
 }
 
-function parsed(topic, data) {
-  if (topic.encoding === "json") {
-    JSON.parse(new TextDecoder().decode(data));
+const types = new Map();
+
+// The type of a topic's messages, made of nothing but what the file says of it.
+function typeOf(topic) {
+  if (!types.has(topic.schema)) {
+    const files = descriptor.FileDescriptorSet.decode(Buffer.from(topic.schemaBase64, "base64"));
+    types.set(topic.schema, protobuf.Root.fromDescriptor(files).lookupType(topic.schema));
   }
+  return types.get(topic.schema);
+}
+
+function decoded(topic, data) {
+  if (topic.encoding === "json") {
+    return JSON.parse(new TextDecoder().decode(data));
+  }
+  const type = typeOf(topic);
+  return type.toObject(type.decode(data), { bytes: String, longs: Number });
+}
+
+function parsed(topic, data) {
+  topic.contents.push(decoded(topic, data));
   topic.messages += 1;
 }
 
