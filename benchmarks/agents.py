@@ -1,7 +1,10 @@
 """The reasoner on a problem: to its first action, and through a whole run in which all turns out as hoped."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
 
 from benchmarks.believed import Imagined
 from benchmarks.problems import GOAL, Problem
@@ -11,6 +14,8 @@ from skolem.reasoner.rulebook import Rulebook
 from skolem.traces.messages import Decision, Limits
 
 LIMITS = Limits(steps=200, expansions=2000, hierarchy_depth=16, min_plan_probability=1e-4)
+Deciding = tuple[Agent, Turn]
+_Done = TypeVar("_Done")
 
 
 @dataclass(slots=True)
@@ -38,9 +43,23 @@ class Thinking:
     replans: int = 0
 
 
+def ready(given: Problem, rulebook: Rulebook, optimal: bool = False) -> tuple[Imagined, Callable[[], Deciding]]:
+    """Return a belief, and what thinks from it to the first primitive action, for the first time when it is called."""
+    believed = Imagined(given)
+    goal = parse_goal(GOAL, rulebook.vocabulary.words(), believed.anchors())
+    limits = LIMITS.model_copy(update={"optimal": optimal})
+
+    def think() -> Deciding:
+        agent = Agent(goal, rulebook, believed, believed, limits)
+        return agent, agent.decide(0)
+
+    return believed, think
+
+
 def first_action(given: Problem, rulebook: Rulebook, optimal: bool = False) -> Thinking:
     """Return what it takes from a belief to the first primitive action."""
-    _, _, turn, seconds = _begin(given, rulebook, optimal)
+    _, think = ready(given, rulebook, optimal)
+    (_, turn), seconds = _timed(think)
     return _thought(turn, seconds)
 
 
@@ -50,29 +69,26 @@ def whole_run(given: Problem, rulebook: Rulebook) -> Thinking:
     Raises:
         RuntimeError: If the goal is not reached.
     """
-    agent, believed, turn, seconds = _begin(given, rulebook, optimal=False)
+    believed, think = ready(given, rulebook)
+    (agent, turn), seconds = _timed(think)
     found = _thought(turn, seconds)
     while turn.end is None:
         assert turn.action is not None
         believed.carry_out(turn.action)
         found.actions += 1
-        begun = time.process_time()
-        turn = agent.decide(found.actions)
-        found.run_s += time.process_time() - begun
+        turn, seconds = _timed(partial(agent.decide, found.actions))
+        found.run_s += seconds
         found.replans += bool(turn.decisions)
     if turn.end.status != "goal_achieved":
         raise RuntimeError(f"a run of the benchmark failed: {turn.end.reason}")
     return found
 
 
-def _begin(given: Problem, rulebook: Rulebook, optimal: bool) -> tuple[Agent, Imagined, Turn, float]:
-    believed = Imagined(given)
-    goal = parse_goal(GOAL, rulebook.vocabulary.words(), believed.anchors())
-    limits = LIMITS.model_copy(update={"optimal": optimal})
+def _timed(work: Callable[[], _Done]) -> tuple[_Done, float]:
+    """Return what some work gives, and the CPU seconds it took."""
     begun = time.process_time()
-    agent = Agent(goal, rulebook, believed, believed, limits)
-    turn = agent.decide(0)
-    return agent, believed, turn, time.process_time() - begun
+    done = work()
+    return done, time.process_time() - begun
 
 
 def _thought(turn: Turn, seconds: float) -> Thinking:

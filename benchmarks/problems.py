@@ -44,17 +44,14 @@ class Problem:
         tables: What they stand on.
         regions: P(a heavy green can is in it), by region; each lies on a support of its own.
         places: Position of the desk and of every table and support, metres.
+        home: Where the robot is at first, metres.
     """
 
     items: tuple[Item, ...]
     tables: tuple[str, ...]
     regions: dict[str, float]
     places: dict[str, tuple[float, float]]
-
-    @property
-    def likeliest(self) -> float:
-        """P of the best bet on which object is meant: a known one, or one in a region."""
-        return max([item.meant for item in self.items] + list(self.regions.values()))
+    home: tuple[float, float]
 
 
 def problem(n: int, state: State, seed: int) -> Problem:
@@ -78,10 +75,14 @@ def problem(n: int, state: State, seed: int) -> Problem:
         )
     regions = {f"_reg{k + 1}_": float(draw.uniform(0.05, 0.3)) for k in range(max(2, n // 6))}
     stands = ("desk", *tables, *(support(region) for region in regions))
-    places = {name: (float(draw.uniform(0, ROOM_M)), float(draw.uniform(0, ROOM_M))) for name in stands}
-    return Problem(tuple(items), tables, regions, places)
+    places = {name: _somewhere(draw) for name in stands}
+    return Problem(tuple(items), tables, regions, places, home=_somewhere(draw))
 
 
 def support(region: str) -> str:
     """Return the name of what a region lies on."""
     return f"shelf{region.removeprefix('_reg').removesuffix('_')}"
+
+
+def _somewhere(draw: Generator) -> tuple[float, float]:
+    return float(draw.uniform(0, ROOM_M)), float(draw.uniform(0, ROOM_M))

@@ -241,6 +241,18 @@ class Reference:
 # ---------------------------------------------------------------- the search
 
 
+class UnfinishedError(Exception):
+    """The search was given up."""
+
+
+def offered(goal: Subgoal, instances: Callable[[Term], Sequence[Instance]]) -> list[Instance]:
+    """Return every step that achieves some fluent of a conjunction: once, for all that it achieves."""
+    found: dict[Term, Instance] = {}
+    for instance in (i for fluent in goal for i in instances(fluent)):
+        found[instance.step] = found[instance.step].merged(instance) if instance.step in found else instance
+    return list(found.values())
+
+
 def cheapest(
     roots: Iterable[Subgoal],
     instances: Callable[[Term], Sequence[Instance]],
@@ -248,8 +260,13 @@ def cheapest(
     mutexes: Mutexes,
     level: int,
     dearest: int,
+    patience: int = 100_000,
 ) -> int | None:
-    """Return the least cost of a plan for one of the roots: every step for every fluent, in every order."""
+    """Return the least cost of a plan for one of the roots: every step for every fluent, in every order.
+
+    Raises:
+        UnfinishedError: If more than `patience` conjunctions had to be looked at.
+    """
     order = itertools.count()
     queue = [(0, next(order), root) for root in roots]
     done: set[Subgoal] = set()
@@ -260,11 +277,9 @@ def cheapest(
         if all(map(holds, goal)):
             return cost
         done.add(goal)
-        for step in {i.step for f in goal for i in instances(f)}:
-            offered = [i for f in goal for i in instances(f) if i.step == step]
-            whole = offered[0]
-            for other in offered[1:]:
-                whole = whole.merged(other)
+        if len(done) > patience:
+            raise UnfinishedError
+        for whole in offered(goal, instances):
             before = regressed(whole, min(level, whole.concrete), goal, mutexes)
             if before is not None and cost + whole.price <= dearest:
                 heapq.heappush(queue, (cost + whole.price, next(order), before))

@@ -40,7 +40,7 @@ def test_sixteen_open_fluents_are_one_call() -> None:
     assert at.offers.calls == before + 1
 
 
-@pytest.mark.parametrize("objects", [50, 500])
+@pytest.mark.parametrize("objects", [50, 500, 5000])
 def test_what_is_ground_does_not_grow_with_what_is_known(objects: int) -> None:
     few, many = among(8), among(objects)
     for at in (few, many):
