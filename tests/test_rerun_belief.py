@@ -1,16 +1,12 @@
-"""The drawn belief: labels that can be read, and ellipsoids that cover two standard deviations."""
+"""The drawn belief: the most likely types, and ellipsoids that cover two standard deviations."""
 
 import math
 
 import numpy as np
 import pytest
 
-from skolem.traces.messages import Belief, Denotation, HsvBelief, ObjectBelief, ObjectType, RobotState
-from skolem.traces.rerun_belief import SIGMAS, label, label_heights, likely_type, spread
-
-CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.12), graspable=True)
-TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.68), graspable=False)
-TYPES = {"can": CAN, "bottle": CAN, "table": TABLE}
+from skolem.traces.messages import HsvBelief, ObjectBelief
+from skolem.traces.rerun_belief import SIGMAS, likely_type, spread
 
 
 def known(x: float = 1.0, **changes: object) -> ObjectBelief:
@@ -25,41 +21,8 @@ def known(x: float = 1.0, **changes: object) -> ObjectBelief:
     return before.model_copy(update=changes)
 
 
-def belief(**objects: ObjectBelief) -> Belief:
-    return Belief(
-        step=0,
-        version=0,
-        world_T_base=(0.0, 0.0, 0.0),
-        base_covariance=(0.0,) * 6,
-        robot=RobotState(right_arm=(0.0,) * 7, left_arm=(0.0,) * 7),
-        anchors=tuple(objects),
-        objects=objects,
-        keys=(),
-        joint_covariance=(),
-    )
-
-
-def test_a_label_says_type_colour_and_whether_it_is_what_is_meant() -> None:
-    meant = Denotation(step=0, probability={"e1": {"o2": 0.4142}})
-    assert label("o2", known(colour_seen=True), CAN, meant) == "o2: can .87, green, Den .41"
-
-
-def test_a_label_does_not_tell_a_colour_nobody_has_seen_or_a_value_nobody_recorded() -> None:
-    assert label("o2", known(), CAN, None) == "o2: can .87"
-
-
-def test_furniture_is_labelled_with_its_name_alone() -> None:
-    assert label("desk", known(type={"table": 1.0}), TABLE, None) == "desk"
-
-
 def test_of_equally_likely_types_the_first_by_name_is_drawn() -> None:
     assert likely_type(known(type={"can": 0.5, "bottle": 0.5})) == "bottle"
-
-
-def test_labels_of_neighbours_stand_at_different_heights() -> None:
-    heights = label_heights(belief(o1=known(1.0), o2=known(1.1), o3=known(3.0)), TYPES)
-    assert heights["o2"] - heights["o1"] > 0.05
-    assert heights["o3"] == pytest.approx(heights["o1"])
 
 
 def test_the_ellipsoid_has_the_axes_of_the_covariance_turned_with_the_object() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from skolem.sim.cloud import FOVY_RAD, pixel_rays
 from skolem.traces.messages import DepthView, Detection, ObjectType
-from skolem.traces.rerun_camera import likely, outline, pixel
+from skolem.traces.rerun_camera import label_points, likely, outline, pixel
 from skolem.traces.rerun_shapes import placed
 
 COLUMNS, ROWS = 40, 30
@@ -43,3 +43,17 @@ def test_an_outline_encloses_the_object_and_stays_in_the_picture() -> None:
     near = found.model_copy(update={"base_T_object": (0.7, 0.2, 0.9, 0.3)})
     assert np.all(np.array(outline(near, kind, VIEW, size)) <= [320, 240, 320, 240])
     assert likely(found) == "box"
+
+
+def test_no_label_covers_another_detection() -> None:
+    """A can behind a carton: below the can is the carton."""
+    can, carton, table = (148.0, 80.0, 170.0, 110.0), (152.0, 100.0, 174.0, 144.0), (2.0, 2.0, 318.0, 206.0)
+    points = label_points([can, carton, table], ["can", "carton", "table"], (320, 240))
+    for text, (x, top), own in zip(("can", "carton", "table"), points, (can, carton, table), strict=True):
+        half = 2.5 * len(text)
+        for box in {can, carton} - {own}:
+            assert x + half < box[0] or box[2] < x - half or top + 15.0 < box[1] or box[3] < top, (text, box)
+
+
+def test_labels_are_written_once_per_detection() -> None:
+    assert label_points([], [], (320, 240)) == []

@@ -35,7 +35,7 @@ def test_every_decision_has_a_row_of_what_it_was_taken_on(trace: Trace, recordin
     for quantity in ("place", "type", "colour", "weight"):
         assert rows[f"plots/entropy/{quantity}"] - 1 == len(beliefs)
     for region in beliefs[0].regions:
-        assert rows[f"regions/{region}/unseen"] - 1 == len(beliefs)
+        assert rows[f"regions/{region}/unseen"] - 1 == rows[f"regions/{region}/label"] - 1 == len(beliefs)
         assert rows[f"plots/seen/{region}"] - 1 == len(beliefs)
 
 
@@ -95,3 +95,4 @@ def test_recorded_joints_things_in_motion_and_pictures_are_all_there(tmp_path: P
     looks = len(list(trace.messages("/camera/rgb")))
     assert looks == 2
     assert rows["camera/picture"] == rows["camera/depth"] == rows["camera/picture/detections"] == looks
+    assert rows["camera/picture/labels"] == looks

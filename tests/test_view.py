@@ -9,7 +9,9 @@ from pathlib import Path
 
 import psutil
 import pytest
+from PIL import Image, ImageChops
 from recordings import SCENARIOS, recorded
+from views import need_driver
 
 from skolem.tools import cli, viewing
 from skolem.tools.children import end
@@ -45,6 +47,8 @@ def test_a_recording_is_written_where_it_is_wanted(
         (["--shot", "x.png", "--at", "time=1e9"], "the run has time 0 to"),
         (["--shot", "x.png", "--web"], "exclude one another"),
         (["--save", "/proc/none/x.rrd"], "cannot be written"),
+        (["--shot", "/proc/none/x.png"], "cannot be written"),
+        (["--save", "."], "cannot be written"),
     ],
 )
 def test_mistakes_are_named(
@@ -52,6 +56,21 @@ def test_mistakes_are_named(
 ) -> None:
     assert called(monkeypatch, "view", str(recorded("sim3_unknown")), *options) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--save", "--shot"])
+@pytest.mark.parametrize("name", ["looked-at.mcap", "link.mcap", "other.mcap", "running.mcap.partial"])
+def test_no_trace_is_written_over(
+    option: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = recorded("sim3_unknown").read_bytes()
+    trace = tmp_path / "looked-at.mcap"
+    for each in (trace, tmp_path / "other.mcap", tmp_path / "running.mcap.partial"):
+        each.write_bytes(content)
+    (tmp_path / "link.mcap").symlink_to(trace)
+    assert called(monkeypatch, "view", str(trace), option, str(tmp_path / name)) == 2
+    assert "give another name" in capsys.readouterr().err
+    assert (tmp_path / name).read_bytes() == content
 
 
 def test_a_file_that_is_no_trace_is_refused(
@@ -66,6 +85,22 @@ def test_moments_are_steps_or_seconds() -> None:
     trace = Trace(recorded("sim3_unknown"))
     assert viewing.moment_of("step=2", trace) == ("step", 2)
     assert viewing.moment_of("time=1.5", trace) == ("time", 1.5)
+
+
+@pytest.mark.viewer
+def test_a_picture_of_a_step_is_written_by_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    need_driver()
+    trace, steps = recorded("sim3_unknown"), (1, 2)
+    pictures = [tmp_path / "new" / f"{step}.png" for step in steps]
+    for step, picture in zip(steps, pictures, strict=True):
+        shot = ["--shot", str(picture), "--at", f"step={step}", "--json"]
+        assert called(monkeypatch, "view", str(trace), *shot) == 0
+        assert json.loads(capsys.readouterr().out) == {"trace": str(trace), "picture": str(picture), "faults": []}
+    first, second = (Image.open(picture) for picture in pictures)
+    assert first.size == second.size == (1600, 1000)
+    assert ImageChops.difference(first, second).getbbox() is not None
 
 
 # ---------------------------------------------------------------- while it goes on

@@ -45,6 +45,8 @@ def view(
         viewing.follow_run(trace)
         return
     run = Trace(trace)
+    for out in filter(None, (save, shot)):
+        viewing.spare_traces(out, trace)
     moment = None if at is None else viewing.moment_of(at, run)
     said: dict[str, object] = {"trace": str(trace)}
     faults: list[str] = []

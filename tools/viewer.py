@@ -173,9 +173,13 @@ def shoot(recording: Path, picture: Path, moment: Moment | None) -> list[str]:
     """Draw a recording at a moment (None: its end) into a PNG file, without a display; return what went wrong in it.
 
     Raises:
-        InputError: If the viewer cannot run here; says what to install.
+        InputError: If the viewer cannot run here, with what to install, or the picture cannot be written.
     """
-    picture.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        picture.parent.mkdir(parents=True, exist_ok=True)
+        picture.open("ab").close()
+    except OSError as error:
+        raise InputError([Fault(str(picture), 0, 0, f"cannot be written: {error.strerror}")]) from error
     with viewer("headless", recording) as running:
         client = running.loaded()
         if moment is not None and moment[0] == "step":

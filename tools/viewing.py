@@ -16,7 +16,7 @@ from skolem.tools.children import has_display
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.following import follow
 from skolem.traces.messages import TICKS_PER_SECOND, Action
-from skolem.traces.reader import Trace
+from skolem.traces.reader import MAGIC, Trace
 from skolem.traces.rerun_robot import RobotModel
 from skolem.traces.to_rerun import APPLICATION, Scene, convert
 
@@ -26,6 +26,26 @@ POLL_S = 0.1
 def pr2_model() -> RobotModel:
     """Return what the PR2 looks like and what its joints are called."""
     return RobotModel(patched_urdf_path(), BASE_FRAME, pr2.BASE, pr2.TORSO, pr2.HEAD, pr2.ARM)
+
+
+def spare_traces(out: Path, trace: Path) -> None:
+    """Refuse to write over a trace, the one that is looked at or another.
+
+    Raises:
+        InputError: If `out` is one, or a folder, or cannot be read to see what it is.
+    """
+    try:
+        same = out.exists() and out.samefile(trace)
+        with out.open("rb") as file:
+            recorded = file.read(len(MAGIC)) == MAGIC
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise InputError([Fault(str(out), 0, 0, f"cannot be written: {error.strerror}")]) from error
+    if same:
+        raise InputError([Fault(str(out), 0, 0, "is the trace itself; give another name")])
+    if recorded:
+        raise InputError([Fault(str(out), 0, 0, "is a trace, and would be lost; give another name")])
 
 
 def record(run: Trace, recording: Path) -> None:

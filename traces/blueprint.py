@@ -1,14 +1,11 @@
 """How a recorded run is laid out in the viewer: everything at once."""
 
-from typing import Final
-
 import rerun.blueprint as rrb
 
 from skolem.traces.rerun_camera import DEPTH, PICTURE
+from skolem.traces.rerun_eye import EYE
 from skolem.traces.rerun_rows import SIM_TIME
 
-EYE_M: Final = (2.7, -1.25, 2.4)
-LOOK_AT_M: Final = (0.3, -0.2, 0.7)
 _WORLD = (
     "/robot/**",
     "- /robot/pr2/collision_geometries/**",
@@ -19,8 +16,13 @@ _WORLD = (
 )
 
 
-def blueprint(pictures: bool) -> rrb.Blueprint:
-    """Return the layout; the camera view shows pictures, or the coarse depth where none are recorded."""
+def blueprint(pictures: bool, entropy: tuple[float, float] | None = None) -> rrb.Blueprint:
+    """Return the layout.
+
+    Args:
+        pictures: Whether the camera view shows pictures; otherwise the coarse depth.
+        entropy: From where to where the axis of entropy goes [nats]; None: wherever the curves go.
+    """
     camera = PICTURE if pictures else DEPTH
     return rrb.Blueprint(
         rrb.Horizontal(
@@ -29,7 +31,7 @@ def blueprint(pictures: bool) -> rrb.Blueprint:
                     name="World: true things solid, believed ones outlined",
                     origin="/",
                     contents=_WORLD,
-                    eye_controls=rrb.EyeControls3D(position=EYE_M, look_target=LOOK_AT_M),
+                    eye_controls=rrb.EyeControls3D(position=EYE.at, look_target=EYE.target),
                     background=(24, 26, 30),
                 ),
                 rrb.Horizontal(
@@ -37,7 +39,7 @@ def blueprint(pictures: bool) -> rrb.Blueprint:
                     rrb.TimeSeriesView(
                         name="P(Den): is it what is meant?",
                         origin="/plots/den",
-                        axis_y=rrb.ScalarAxis(range=(0.0, 1.05)),
+                        axis_y=rrb.ScalarAxis(range=(-0.08, 1.05)),
                         plot_legend=rrb.Corner2D.LeftTop,
                     ),
                     column_shares=[4, 5],
@@ -49,6 +51,7 @@ def blueprint(pictures: bool) -> rrb.Blueprint:
                 rrb.TimeSeriesView(
                     name="Entropy per object since the start [nats]",
                     origin="/plots/entropy",
+                    axis_y=None if entropy is None else rrb.ScalarAxis(range=entropy),
                     plot_legend=rrb.Corner2D.LeftBottom,
                 ),
                 rrb.TextLogView(

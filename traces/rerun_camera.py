@@ -5,7 +5,7 @@ A detection is a box in the picture, labelled with the type it most looks like, 
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import rerun as rr
@@ -13,11 +13,17 @@ from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 
 from skolem.traces.messages import DepthView, Detection, ObjectType, Observation
+from skolem.traces.rerun_layout import HEIGHT_PX, Rectangle, Seen, Wish, arrange, dots
 from skolem.traces.rerun_rows import Rows, When
 from skolem.traces.rerun_shapes import Xyz, point_on, rotated
 
 PICTURE, DEPTH = "camera/picture", "camera/depth"
 _BALL_M, _ABOVE_M = 0.012, 0.045
+_YELLOW = (255, 220, 60)
+_VIEW_PX = 390.0  # columns of the camera view in a window of 1600 x 1000, as the layout divides it
+_TEXT_PX = -1.0  # from the upper edge of a label to its point, as the viewer draws it
+_SIDE_PX = 8.0  # as thick as the side of a box counts
+_SIDE_WORTH_PX, _THING_WORTH_PX = 60.0, 500.0  # of a piece of it as long, and of what is detected: see Seen
 _DEPTH_RANGE_MM = (500, 3500)
 
 
@@ -66,11 +72,17 @@ class Camera:
         marks = rr.Boxes2D(
             mins=[(left, top) for left, top, _, _ in boxes],
             sizes=[(right - left, bottom - top) for left, top, right, bottom in boxes],
-            labels=[likely(found) for found, _ in seen],
-            colors=[[255, 220, 60]] * len(boxes),
-            show_labels=True,
+            colors=[_YELLOW] * len(boxes),
         )
         self._rows.add(f"{image}/detections", when, marks)
+        texts = rr.Points2D(
+            label_points(boxes, [likely(found) for found, _ in seen], size),
+            radii=[0.0] * len(boxes),
+            labels=[likely(found) for found, _ in seen],
+            colors=[_YELLOW] * len(boxes),
+            show_labels=True,
+        )
+        self._rows.add(f"{image}/labels", when, texts)
 
 
 def likely(found: Detection) -> str:
@@ -79,15 +91,44 @@ def likely(found: Detection) -> str:
     return max(sorted(scores), key=scores.__getitem__)
 
 
-def outline(
-    found: Detection, kind: ObjectType, view: DepthView, size: tuple[int, int]
-) -> tuple[float, float, float, float]:
+def outline(found: Detection, kind: ObjectType, view: DepthView, size: tuple[int, int]) -> Rectangle:
     """Return left, top, right and bottom of what an image of (columns, rows) shows of a detected object, in pixels."""
     x, y, z = kind.size_m
     corners = itertools.product((-x / 2.0, x / 2.0), (-y / 2.0, y / 2.0), (0.0, z))
     pixels = [pixel(point_on(found.base_T_object, corner), view, size) for corner in corners]
     columns, rows = ([min(max(0.0, at[axis]), size[axis]) for at in pixels] for axis in (0, 1))
     return min(columns), min(rows), max(columns), max(rows)
+
+
+def label_points(boxes: Sequence[Rectangle], texts: Sequence[str], size: tuple[int, int]) -> list[tuple[float, float]]:
+    """Return the points below which the viewer writes each box's text, in an image of (columns, rows).
+
+    A text stands below its box unless it would cover another one; the largest boxes come last.
+    """
+    scale = size[0] / _VIEW_PX
+    seen = [side for box in boxes for side in _sides(box, _SIDE_PX * scale)]
+    order = sorted(range(len(boxes)), key=lambda i: (_area(boxes[i]), i))
+    half = HEIGHT_PX / 2.0 * scale
+    wishes = [Wish(texts[i], (((boxes[i][0] + boxes[i][2]) / 2.0, boxes[i][3] + 1.5 * half),)) for i in order]
+    seen += [(*box, _THING_WORTH_PX) for box in boxes if not any(_holds(box, other) for other in boxes)]
+    middles = arrange(wishes, seen, size, scale)
+    placed = dict(zip(order, middles, strict=True))
+    return [(placed[i][0], placed[i][1] - half + _TEXT_PX * scale) for i in range(len(boxes))]
+
+
+def _sides(box: Rectangle, thick: float) -> list[Seen]:
+    left, top, right, bottom = box
+    corners = [np.array(corner) for corner in ((left, top), (right, top), (right, bottom), (left, bottom))]
+    return [dot for i in range(4) for dot in dots(corners[i - 1], corners[i], thick, _SIDE_WORTH_PX)]
+
+
+def _holds(box: Rectangle, other: Rectangle) -> bool:
+    """Return whether another box lies within one."""
+    return box != other and all(box[i] <= other[i] and other[i + 2] <= box[i + 2] for i in (0, 1))
+
+
+def _area(box: Rectangle) -> float:
+    return (box[2] - box[0]) * (box[3] - box[1])
 
 
 def pixel(point_base: Xyz, view: DepthView, size: tuple[int, int]) -> tuple[float, float]:

@@ -21,6 +21,8 @@ _PALETTE = (
     (110, 220, 200),
     (230, 130, 90),
 )
+_OFF = 0.3  # so far beyond a number that is written there an axis ends
+_MANY = 8.0  # a longer axis has numbers at tens only
 _GAUSSIAN = math.log(2.0 * math.pi * math.e) / 2.0  # entropy of a normal variable with variance 1
 _LEAST_VARIANCE = 1e-10
 
@@ -33,6 +35,13 @@ class Plots:
         self._rows = rows
         self._curves: dict[str, int] = {}
         self._start: dict[str, float] = {}
+        self._least, self._most = -1.0, 1.0
+
+    @property
+    def entropy_axis(self) -> tuple[float, float]:
+        """From below to above all entropies so far; at least two numbers are written within, but none at the ends."""
+        unit = 1.0 if self._most - self._least < _MANY else 10.0
+        return (math.floor(self._least / unit) - _OFF) * unit, math.ceil(self._most) + _OFF
 
     def meant(self, denotation: Denotation, when: When) -> None:
         """Add P(Den) of each object and description; a number tells descriptions apart if there are several."""
@@ -47,6 +56,7 @@ class Plots:
         """Add the entropies of the belief, less what they were at the start."""
         for quantity, value in entropies(belief).items():
             change = value - self._start.setdefault(quantity, value)
+            self._least, self._most = min(self._least, change), max(self._most, change)
             self._point(f"plots/entropy/{quantity}", quantity, change, when)
 
     def _point(self, entity: str, name: str, value: float, when: When) -> None:

@@ -7,10 +7,10 @@ import rerun as rr
 from skolem.traces.messages import Belief, ObjectType, RegionBelief
 from skolem.traces.rerun_belief import likely_type
 from skolem.traces.rerun_rows import Rows, When
-from skolem.traces.rerun_shapes import FRAME, point_on, turned
+from skolem.traces.rerun_shapes import FRAME, OUTLINE, point_on, turned
 
-_UNSEEN, _OUTLINE = (255, 140, 0, 110), (255, 190, 90, 255)
-_CUBE_M, _LABEL_M = 0.025, 0.18  # half an edge; height of the label above the region
+_UNSEEN = (255, 140, 0, 110)
+_CUBE_M = 0.025  # half an edge
 
 
 class Regions:
@@ -27,7 +27,7 @@ class Regions:
             entity = f"regions/{name}"
             if name not in self._known:
                 self._known.add(name)
-                for part in ("outline", "unseen", "label"):
+                for part in ("outline", "unseen"):
                     self._rows.static(f"{entity}/{part}", FRAME)
                 self._rows.static(f"plots/seen/{name}", rr.SeriesLines(names=name, widths=2))
             self._draw(entity, when, belief, region, types)
@@ -44,7 +44,7 @@ class Regions:
             half_sizes=[[x / 2.0, y / 2.0, region.height_m / 2.0]],
             centers=[point_on(world_T_support, (0.0, 0.0, top + region.height_m / 2.0))],
             quaternions=[turn],
-            colors=[_OUTLINE],
+            colors=[OUTLINE],
             radii=[0.003],
             fill_mode="majorwireframe",
         )
@@ -56,13 +56,5 @@ class Regions:
             colors=[_UNSEEN] * len(points),
             fill_mode="solid",
         )
-        label = rr.Points3D(
-            [point_on(world_T_support, (x / 4.0, 0.0, top + region.height_m + _LABEL_M))],
-            radii=[0.002],
-            labels=[f"{entity.rpartition('/')[2]}: {100.0 * region.seen:.0f} % seen"],
-            colors=[_OUTLINE],
-            show_labels=True,
-        )
-        self._rows.add(f"{entity}/label", when, label)
         self._rows.add(f"{entity}/outline", when, outline)
         self._rows.add(f"{entity}/unseen", when, unseen)

@@ -16,6 +16,7 @@ Xyzw = tuple[float, float, float, float]
 WORLD: Final = "world"
 FRAME: Final = rr.CoordinateFrame(WORLD)
 GREY: Final[Xyz] = (0.0, 0.0, 0.85)  # of what has not been seen
+OUTLINE: Final[Rgba] = (255, 190, 90, 255)  # of regions
 WOOD: Final[Xyz] = (0.09, 0.38, 0.60)
 _TOP_M, _LEG_M, _INSET_M = 0.04, 0.04, 0.03  # a table's thickness, the width of its legs, how far in they stand
 _LINE_M: Final = 0.002
@@ -63,6 +64,17 @@ def rotated(turn: Xyzw, point: Xyz) -> Xyz:
         x + qw * tx + qy * tz - qz * ty,
         y + qw * ty + qz * tx - qx * tz,
         z + qw * tz + qx * ty - qy * tx,
+    )
+
+
+def product(one: Xyzw, other: Xyzw) -> Xyzw:
+    """Return the quaternion xyzw that turns as `other` does and then as `one` does."""
+    (a, b, c, d), (x, y, z, w) = one, other
+    return (
+        d * x + a * w + b * z - c * y,
+        d * y + b * w + c * x - a * z,
+        d * z + c * w + a * y - b * x,
+        d * w - a * x - b * y - c * z,
     )
 
 

@@ -1,13 +1,14 @@
 """The true objects in a rerun recording: solid shapes in their true colours."""
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Iterator, Mapping
 
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
 from skolem.traces.messages import ObjectType, TrueObject, TrueState
 from skolem.traces.rerun_rows import Rows, When
-from skolem.traces.rerun_shapes import WOOD, Shapes, Xyz, Xyzw, rgba, turned
+from skolem.traces.rerun_shapes import WOOD, Shapes, Xyz, Xyzw, placed, rgba, turned
 
 PREFIX = "truth/"
 _SAME_M = 1e-4  # a move below is not drawn
@@ -20,7 +21,16 @@ class Truth:
         """Begin without objects."""
         self._shapes = Shapes(rows)
         self._objects: dict[str, TrueObject] = {}
-        self._last: dict[str, tuple[float, ...]] = {}
+        self._last: dict[str, tuple[float, float, float, float, float, float, float]] = {}
+
+    def things(self, types: Mapping[str, ObjectType]) -> list[list[Xyz]]:
+        """Return where the corners of each object but the tables are in the world [m]."""
+        kinds = {name: types[item.type] for name, item in self._objects.items()}
+        return [
+            [placed((x, y, z), (qx, qy, qz, qw), corner) for corner in _corners(kinds[name])]
+            for name, (x, y, z, qx, qy, qz, qw) in self._last.items()
+            if kinds[name].shape != "table"
+        ]
 
     def state(self, message: TrueState, when: When, types: Mapping[str, ObjectType]) -> None:
         """Take in where everything is."""
@@ -45,6 +55,12 @@ class Truth:
         kind = types[item.type]
         colour = rgba(WOOD if kind.shape == "table" else item.hsv)
         self._shapes.draw(f"{PREFIX}{name}", when, kind, position, turn, colour, "solid")
+
+
+def _corners(kind: ObjectType) -> Iterator[Xyz]:
+    """Return the corners of the box around an object, in its frame."""
+    x, y, z = kind.size_m
+    return itertools.product((-x / 2.0, x / 2.0), (-y / 2.0, y / 2.0), (0.0, z))
 
 
 def pose_of(frame: FrameTransform) -> tuple[Xyz, Xyzw]:

@@ -25,6 +25,7 @@ from skolem.traces.messages import (
 from skolem.traces.reader import Recorded, Trace
 from skolem.traces.rerun_belief import Beliefs
 from skolem.traces.rerun_camera import Camera
+from skolem.traces.rerun_labels import Labels
 from skolem.traces.rerun_log import Log
 from skolem.traces.rerun_plans import Plans
 from skolem.traces.rerun_plots import Plots
@@ -51,7 +52,7 @@ def convert(trace: Trace, out: Path, model: RobotModel) -> None:
     scene = Scene(stream, model)
     for recorded in trace.messages(*scene.topics):
         scene.take(recorded)
-    scene.flush()
+    scene.flush(ended=True)
     stream.flush()
     stream.disconnect()
 
@@ -75,6 +76,7 @@ class Scene:
         self._robot = Robot(rows, model)
         self._camera = Camera(rows, model.base_link)
         self._truth, self._beliefs, self._regions = Truth(rows), Beliefs(rows), Regions(rows)
+        self._labels = Labels(rows)
         self._plots, self._log = Plots(rows), Log(rows)
         self._plans = Plans(rows, "")
         self._types: dict[str, ObjectType] = {}
@@ -110,13 +112,14 @@ class Scene:
             self._step = message.step
         self._takers[recorded.topic](message, When(recorded.tick, self._step))
 
-    def flush(self) -> None:
-        """Send what was drawn, and the layout when it becomes known that there are pictures."""
+    def flush(self, ended: bool = False) -> None:
+        """Send what was drawn, and the layout when more is known of it: that there are pictures, or how far axes go."""
         self._robot.flush()
         self._rows.flush()
-        if self._laid_out != self._camera.pictures:
+        if ended or self._laid_out != self._camera.pictures:
             self._laid_out = self._camera.pictures
-            self._rows.stream.send_blueprint(blueprint(self._camera.pictures))
+            axis = self._plots.entropy_axis if ended else None
+            self._rows.stream.send_blueprint(blueprint(self._camera.pictures, axis))
 
     def _started(self, message: RunStart, when: When) -> None:
         self._plans = Plans(self._rows, message.goal)
@@ -125,34 +128,36 @@ class Scene:
         self._types = message.types
 
     def _believed(self, message: Belief, when: When) -> None:
-        """Draw a belief but for its objects: P(Den) stands in their labels, and comes next if it is recorded."""
+        """Draw a belief but for its labels: P(Den) stands in them, and comes next if it is recorded."""
         self._belief = message, when
         self._robot.believed(message, when)
+        self._beliefs.believed(message, when, self._types)
         self._regions.believed(message, when, self._types)
         self._plots.believed(message, when)
         self._plans.step_begins(when)
 
     def _meant(self, message: Denotation, when: When) -> None:
         self._plots.meant(message, when)
-        self._draw_belief(message)
+        self._label(message)
 
-    def _draw_belief(self, denotation: Denotation | None) -> None:
+    def _label(self, denotation: Denotation | None) -> None:
         if self._belief is not None:
             belief, when = self._belief
             self._belief = None
-            self._beliefs.believed(belief, denotation, when, self._types)
+            things, limbs = self._truth.things(self._types), self._robot.limbs(belief)
+            self._labels.believed(belief, denotation, when, self._types, things, limbs)
 
     def _planned(self, message: Plan, when: When) -> None:
         self._plans.changed(message, when)
         self._log.planned(message, when)
 
     def _acted(self, message: Action, when: When) -> None:
-        self._draw_belief(None)
+        self._label(None)
         self._log.acted(message, when)
         self._step = message.step + 1
 
     def _ended(self, message: RunEnd, when: When) -> None:
-        self._draw_belief(None)
+        self._label(None)
         self._log.ended(message, when)
 
     def _observed(self, message: Observation, when: When) -> None:
