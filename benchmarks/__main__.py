@@ -8,7 +8,14 @@ from typing import Final
 
 from benchmarks.tables import keep_only, write
 
-SECTIONS: Final = ("reasoner", "peers", "estimator", "detector", "replays", "viewer")  # modules of this folder; each has tables()
+SECTIONS: Final = (
+    "reasoner",
+    "peers",
+    "estimator",
+    "detector",
+    "replays",
+    "viewer",
+)  # modules of this folder; each has tables()
 
 
 def main() -> None:
