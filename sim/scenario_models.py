@@ -26,6 +26,7 @@ Place = Annotated[
     Field(description="x, y [m], theta [rad]: in the world, or from the centre of the top of `on`"),
 ]
 Hsv = Annotated[tuple[Fraction, Fraction, Fraction], Field(description="hue, saturation, value, each 0..1")]
+BY_CONTACT = "drawn in the world without physics; with physics, contacts decide, and this is what is believed of them"
 
 
 class Model(BaseModel):
@@ -115,8 +116,8 @@ class Noise(Model):
     colour: ColourNoise
     odometry: OdometryNoise
     wrist: WristNoise
-    grasp: Annotated[RigidNoise, Field(description="how far an object moves when the fingers close")]
-    place: Annotated[RigidNoise, Field(description="how far an object moves when it is released")]
+    grasp: Annotated[RigidNoise, Field(description=f"how far an object moves when the fingers close; {BY_CONTACT}")]
+    place: Annotated[RigidNoise, Field(description=f"how far an object moves when it is released; {BY_CONTACT}")]
 
     def message(self) -> NoiseModel:
         """Return the same numbers as they cross borders."""
