@@ -12,7 +12,7 @@ def assert_cleared_in_order(run: Run) -> None:
     assert run.verdict.true
     assert run.where("Pick(first)") < run.where("Pick(second)") < run.where("Pick(third)")
     assert [thing.id for thing in run.truths[-1].objects if thing.on == "table1"] == ["third"]
-    asked = [question.blockers for question in run.questions if question.query.startswith("blockers pick")]
+    asked = [question.blockers or () for question in run.asked("pick", "third")]
     assert any("second" in blockers for blockers in asked)
 
 
