@@ -13,6 +13,8 @@ class EstimatorConfig:
             it. From here two to three misses in plain view unlist it, where the picture shows nothing in its place.
         retired: Existence below which an anchor is no longer matched with detections.
         gate: Squared Mahalanobis distance beyond which a detection is of something else: chi-square, 3 degrees, .999.
+        sure_gate: The same for a table that would stand in a known one and so must be known: 3 degrees, 1 - 1e-9.
+            Beyond the other gate, the base most likely stands elsewhere than believed, and this look is what tells.
         new_per_look: Expected number of real objects per look of which the robot had no anchor.
         new_tables_per_look: The same for tables: rooms have few.
         view_area_m2: Floor area over which false detections and unknown objects are spread.
@@ -64,6 +66,7 @@ class EstimatorConfig:
     most_sure: float = 0.99
     retired: float = 1e-3
     gate: float = 16.266
+    sure_gate: float = 44.8
     new_per_look: float = 0.05
     new_tables_per_look: float = 1e-3
     view_area_m2: float = 1.0

@@ -64,7 +64,7 @@ def is_ambiguous(scores: Array) -> bool:
 
 
 def assign_jointly(
-    scene: Scene, pairs: Sequence[Sequence[Pair]], unmatched: Array, gate: float, width: int
+    scene: Scene, pairs: Sequence[Sequence[Pair]], unmatched: Array, gates: Sequence[float], width: int
 ) -> tuple[int | None, ...]:
     """Return for each detection its anchor's column, or None for a new one, of the likeliest hypothesis.
 
@@ -72,7 +72,7 @@ def assign_jointly(
         scene: Belief before the look; anchor `column` is pose `column + 1`.
         pairs: Of each detection, the anchors it may be of.
         unmatched: Score of each detection if it is of no anchor, shape (n,).
-        gate: Squared Mahalanobis distance beyond which a pair is no pair, given the pairs before.
+        gates: Of each detection, the squared Mahalanobis distance beyond which a pair is none, given the pairs before.
         width: Hypotheses kept after each detection.
     """
     order = sorted(range(len(pairs)), key=lambda i: (len(pairs[i]), i))  # the clearest first
@@ -80,7 +80,7 @@ def assign_jointly(
     for i in order:
         grown = [_Hypothesis(h.score + float(unmatched[i]), h.scene, (*h.columns, None)) for h in beam]
         for h in beam:
-            grown += [found for pair in pairs[i] if (found := _with(h, pair, gate)) is not None]
+            grown += [found for pair in pairs[i] if (found := _with(h, pair, gates[i])) is not None]
         beam = sorted(grown, key=lambda h: -h.score)[:width]
     best = dict(zip(order, beam[0].columns, strict=True))
     return tuple(best[i] for i in range(len(pairs)))

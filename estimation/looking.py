@@ -45,6 +45,8 @@ class Look:
         self._view = observation.view
         self._detections = canonical_order(observation.detections)
         self._expected = tuple(Expected(a, *graph.relative(BASE, a)) for a in tracks.detectable())
+        self._can_be_new = [self._is_beside_all(detection) for detection in self._detections]
+        self._gates = [config.gate if new else config.sure_gate for new in self._can_be_new]
         self._image = None if self._view is None else DepthImage.of(self._view)
         self._camera = np.array([0.0, 0.0, config.typical_drop_m]) if self._image is None else self._image.origin
         heights = [self._height(detection) for detection in self._detections]
@@ -56,13 +58,13 @@ class Look:
         matches = [[self._match(d, e) for e in self._expected] for d in self._detections]
         scores = np.array(
             [
-                [self._score(d, e, m) for e, m in zip(self._expected, row, strict=True)]
-                for d, row in zip(self._detections, matches, strict=True)
+                [self._score(d, e, m, gate) for e, m in zip(self._expected, row, strict=True)]
+                for d, row, gate in zip(self._detections, matches, self._gates, strict=True)
             ]
         )
         unmatched = np.array([self._unmatched(d) for d in self._detections])
         columns = self._assigned(scores.reshape(len(self._detections), len(self._expected)), matches, unmatched)
-        met = [column is not None or self._can_be_new(d) for d, column in zip(self._detections, columns, strict=True)]
+        met = [column is not None or new for column, new in zip(columns, self._can_be_new, strict=True)]
         names = iter(self._tracks.new_names(columns.count(None)))
         sightings = tuple(
             self._new(detection, next(names))
@@ -103,10 +105,10 @@ class Look:
     def _match(self, detection: Detection, expected: Expected) -> Match:
         return match(expected.base_T_object, expected.covariance, self._measured(detection, expected))
 
-    def _score(self, detection: Detection, expected: Expected, m: Match) -> float:
+    def _score(self, detection: Detection, expected: Expected, m: Match, gate: float) -> float:
         """Return the log-likelihood ratio of "the detection is of this anchor" to "the anchor was not reported"."""
         is_table = self._tracks.kind(expected.anchor).shape == "table"
-        if m.distance2 > self._config.gate or is_table != (self._table(detection) is not None):
+        if m.distance2 > gate or is_table != (self._table(detection) is not None):
             return -math.inf
         if not is_table and not self._at_height(detection, expected.anchor):
             return -math.inf
@@ -146,7 +148,7 @@ class Look:
             ]
             for detection, row, found in zip(self._detections, scores, matches, strict=True)
         ]
-        chosen = assign_jointly(self._scene(columns), pairs, unmatched, self._config.gate, self._config.hypotheses)
+        chosen = assign_jointly(self._scene(columns), pairs, unmatched, self._gates, self._config.hypotheses)
         return tuple(None if j is None else columns[j] for j in chosen)
 
     def _own(self, detection: Detection, expected: Expected) -> Measured:
@@ -170,7 +172,7 @@ class Look:
             detection, self._measured(detection, expected), expected.anchor, False, None, math.exp(log_odds)
         )
 
-    def _can_be_new(self, detection: Detection) -> bool:
+    def _is_beside_all(self, detection: Detection) -> bool:
         """Return whether a detection that is of no anchor can be of an object not met yet.
 
         A table can if it is clearly beside every table that is known: no two overlap, so their middles are at least as

@@ -3,9 +3,9 @@
 Everything it does with a belief is written down in the `Turn` it returns: plans, searches, the action or the end.
 """
 
-from collections import Counter
 from dataclasses import dataclass, field
 
+from skolem.reasoner.attempts import Attempts
 from skolem.reasoner.denotation import Denotations
 from skolem.reasoner.expressions import Goal
 from skolem.reasoner.goals import Closest, PosedGoal, read_mutexes
@@ -15,7 +15,7 @@ from skolem.reasoner.memory import recalled, remembered
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.terms import Compound, Term, nll, parse_term
+from skolem.reasoner.terms import Compound, Term, nll
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import (
     Action,
@@ -68,7 +68,7 @@ class Agent:
         self._refused: dict[tuple[Term, int], Term] = {}  # (step, level) -> what it is called
         self._in_vain: set[object] = set()  # searches without a plan in this belief: with more refusals they have none
         self._objections: dict[Term, str] = {}  # step -> why the robot cannot do such a thing
-        self._failures: Counter[Term] = Counter()
+        self._attempts = Attempts(limits)
         self._executed: Step | None = None
         self._version = belief.version
         self._posed = self._pose()
@@ -76,10 +76,8 @@ class Agent:
     def decide(self, step: int) -> Turn:
         """Return the next action, or the end of the run, for the belief as it is now."""
         if self._belief.version != self._version:
-            self._version, self._posed = self._belief.version, self._pose()
-            self._refused.clear()
-            self._in_vain.clear()
-        self._count_failure()
+            self._begin_anew()
+        self._judge_last()
         turn = Turn(closest=self._posed.closest(), denotation=self._denotation(step))
         if self._posed.achieved() is not None:
             self._finish(turn, step, "goal_achieved", "every conjunct of the goal is believed")
@@ -97,18 +95,26 @@ class Agent:
             layers=tuple(tuple(map(remembered, layer)) for layer in layers),
             current=current,
             executed=None if self._executed is None else remembered(self._executed),
-            failures={str(name): count for name, count in sorted(self._failures.items(), key=str) if count},
+            failures=self._attempts.failures(),
+            in_vain=self._attempts.in_vain(),
         )
 
     def recall(self, memory: Memory) -> None:
         """Take over what was remembered at a recorded decision, as `memory` returned it."""
         self._stack = PlanStack([[recalled(step) for step in layer] for layer in memory.layers], memory.current)
         self._executed = None if memory.executed is None else recalled(memory.executed)
-        self._failures = Counter({parse_term(name): count for name, count in memory.failures.items()})
+        self._attempts.recall(memory.failures, memory.in_vain)
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        """Pose the goal of the belief as it is now, and forget what was found out about another."""
+        self._version, self._posed = self._belief.version, self._pose()
+        self._refused.clear()
+        self._in_vain.clear()
 
     def _pose(self) -> PosedGoal:
         parts = (self._goal, self._rulebook, self._denotations, self._belief, self._geometry, self._mutexes)
-        return PosedGoal(*parts)
+        return PosedGoal(*parts, self._attempts.fruitless_here())
 
     def _denotation(self, step: int) -> Denotation:
         tables = {name: dict(self._denotations.table(name, self._belief)) for name in self._goal.expressions}
@@ -200,11 +206,11 @@ class Agent:
         executes = current.instance.executes
         if executes is not None and (objection := self._posed.situation.objection(executes)) is not None:
             lacking, self._objections[current.instance.step] = objection
-            self._failures[current.instance.step] = self._limits.repeats
+            self._attempts.give_up(current.instance.step)
             self._refuse(turn, step, current, lacking)
             return
         command = None if executes is None else self._command(executes)
-        if command is None or self._hopeless(current.instance):
+        if command is None or self._attempts.is_hopeless(current.instance.step):
             self._refuse(turn, step, current)
         else:
             self._executed = current
@@ -217,22 +223,17 @@ class Agent:
 
     def _is_refused(self, instance: Instance, level: int) -> bool:
         """Return whether a step is not to be planned with at a level, as long as the belief stays as it is."""
-        return (instance.step, level) in self._refused or self._hopeless(instance)
+        return (instance.step, level) in self._refused or self._attempts.is_hopeless(instance.step)
 
-    def _hopeless(self, instance: Instance) -> bool:
-        """Return whether an action failed so often that it is not tried again."""
-        return self._failed_often(instance.step)
-
-    def _failed_often(self, step: Term) -> bool:
-        return self._failures[step] >= self._limits.repeats
-
-    def _count_failure(self) -> None:
-        """Note whether the last action did what the plan took it for."""
+    def _judge_last(self) -> None:
+        """Note whether the last action did what the plan took it for; what is in vain here may be done elsewhere."""
         if self._executed is not None:
-            step = self._executed.instance.step
+            before = self._attempts.fruitless_here()
             achieved = self._posed.satisfied(self._executed.subgoal) is not None
-            self._failures[step] = 0 if achieved else self._failures[step] + 1
+            self._attempts.judge(self._executed.instance, achieved)
             self._executed = None
+            if self._attempts.fruitless_here() != before:
+                self._begin_anew()
 
     def _command(self, executes: Term) -> Command | None:
         if isinstance(executes, Compound) and executes.name == "move":
@@ -251,7 +252,7 @@ class Agent:
             names = ", ".join(sorted({title(name) for name in self._refused.values()}))
             reason += f"; found impossible in the believed world: {names}"
         reason += "".join(f"; {why}" for _, why in sorted(self._objections.items(), key=str))
-        often = [str(step) for step in self._failures if step not in self._objections and self._failed_often(step)]
+        often = [str(step) for step in self._attempts.hopeless() if step not in self._objections]
         if often:
             reason += f"; without success {self._limits.repeats} times: {', '.join(sorted(often))}"
         if last.expansions >= self._limits.expansions:

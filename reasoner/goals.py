@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 from skolem.reasoner.denotation import Denotations
@@ -50,6 +50,7 @@ class PosedGoal:
         belief: BeliefQueries,
         geometry: Geometry | None,
         mutexes: Mutexes,
+        fruitless_here: Collection[Term] = (),
     ) -> None:
         self._goal = goal
         self._belief = belief
@@ -60,6 +61,7 @@ class PosedGoal:
             lambda expression, anchor: denotations.probability(expression, anchor, belief),
             lambda expression, region: denotations.probability_of_new(expression, region, belief),
             rulebook.vocabulary.meanings,
+            fruitless_here,
         )
         queries = Queries(self.situation, denotations.alternatives)
         self.offers = RuleOffers(rulebook, self.situation, queries, mutexes)
@@ -90,9 +92,9 @@ class PosedGoal:
         Of equally probable ones it is one about a thing that hands can move, then one whose object is likelier meant.
         """
         known = [root for root in self.instantiations if not any(mentions(f, "sk") for f in root)]
-        if not known:
-            return Closest()
         anchors = self.situation.anchors()
+        if not known:
+            return self._nearest(anchors)
 
         def merit(root: Subgoal) -> tuple[float, bool, float]:
             about = _subject(root, anchors)
@@ -102,6 +104,14 @@ class PosedGoal:
         best = max(known, key=merit)
         anchor = _subject(best, anchors)
         return Closest(self._probability(best), anchor, {} if anchor is None else self._conjuncts(anchor))
+
+    def _nearest(self, anchors: tuple[str, ...]) -> Closest:
+        """Return what comes nearest to the descriptions of the goal, where they denote nothing that is known."""
+        found = [(conjuncts, anchor) for anchor in anchors if (conjuncts := self._conjuncts(anchor))]
+        if not found:
+            return Closest()
+        conjuncts, anchor = max(found, key=lambda each: nearness(each[0], each[1], self._belief))
+        return Closest(0.0, anchor, conjuncts)
 
     def _probability(self, root: Subgoal, kind: str = "") -> float:
         """Return the product over the beliefs of a conjunction, or over those of one kind."""
@@ -150,6 +160,21 @@ def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | 
     posed = PosedGoal(goal, rulebook, Denotations(goal.expressions, rulebook), belief, None, Mutexes([]))
     root = posed.achieved()
     return None if root is None else _subject(root, belief.anchors()) or ""
+
+
+def nearness(conjuncts: Mapping[str, float], anchor: str, belief: BeliefQueries) -> tuple[float, bool, float]:
+    """Return how near an object comes to what is meant, for comparison.
+
+    P of all but the property that it is least likely to have comes first; then things that hands can move, then P of
+    that property.
+
+    Args:
+        conjuncts: P of every property that the descriptions turn on; there is at least one.
+        anchor: The object.
+        belief: What is believed of it.
+    """
+    *rest, least = sorted(conjuncts.values(), reverse=True)
+    return belief.prob_exists(anchor) * math.prod(rest), belief.graspable(anchor), least
 
 
 def _is_geometric(fluent: Term) -> bool:

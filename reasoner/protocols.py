@@ -123,6 +123,7 @@ class Activity:
         hand: The hand that does it; None for a look.
         support: Where to place; None otherwise.
         clear_of: What the object must not stand in the way of when it is placed; None if that does not matter.
+        elsewhere: Whether it was done from here in vain: only if there is nowhere else is it to be done from here.
     """
 
     kind: str
@@ -130,11 +131,13 @@ class Activity:
     hand: Hand | None = None
     support: str | None = None
     clear_of: "Activity | None" = None
+    elsewhere: bool = False
 
     def __str__(self) -> str:
         """Return `pick(right, o2)` and the like."""
         arguments = (self.hand, self.anchor, self.support, self.clear_of)
-        return f"{self.kind}({', '.join(str(x) for x in arguments if x is not None)})"
+        told = f"{self.kind}({', '.join(str(x) for x in arguments if x is not None)})"
+        return f"{told} from elsewhere" if self.elsewhere else told
 
 
 class Geometry(Protocol):

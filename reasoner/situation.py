@@ -3,7 +3,7 @@
 A `Situation` is one version of the belief; every answer is kept for as long as that version lasts.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 from skolem.reasoner import gaussians
 from skolem.reasoner.patterns import mentions
@@ -29,11 +29,13 @@ class Situation:
         denotation: Denotation,
         stranger: Stranger,
         meanings: Mapping[str, Meaning],
+        fruitless_here: Collection[Term] = (),
     ) -> None:
         self.belief = belief
         self._geometry = geometry
         self.meanings = meanings
         self._denotation = denotation
+        self._fruitless_here = fruitless_here
         self._stranger = stranger
         self._anchors = belief.anchors()
         self._holds: dict[Term, bool] = {}
@@ -167,7 +169,8 @@ class Situation:
         """
         match term:
             case Compound("look", (str(anchor),)):
-                return Activity("look", anchor) if self.hand_of(anchor) is None else None
+                elsewhere = term in self._fruitless_here
+                return Activity("look", anchor, elsewhere=elsewhere) if self.hand_of(anchor) is None else None
             case Compound("pick", (str(hand), str(anchor))):
                 return Activity("pick", anchor, hand_named(hand))
             case Compound("look_region", (str(region),)):

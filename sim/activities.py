@@ -1,11 +1,15 @@
 """What the reasoner asks about: something to be done from a base pose."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 from skolem.traces.messages import Hand
 
 Question = tuple[str, ...]
+
+OTHER_SIDE_RAD = 0.5  # what was looked at in vain is looked at next from a direction that differs by so much
 
 
 class Activity(Protocol):
@@ -36,6 +40,11 @@ class Activity(Protocol):
         """What the object must not stand in the way of when it is placed."""
         ...
 
+    @property
+    def elsewhere(self) -> bool:
+        """Whether it was done from here in vain."""
+        ...
+
 
 @dataclass(frozen=True, slots=True)
 class Picking:
@@ -46,9 +55,18 @@ class Picking:
     kind: str = "pick"
     support: str | None = None
     clear_of: Activity | None = None
+    elsewhere: bool = False
 
 
 def key_of(activity: Activity) -> Question:
     """Return what tells an activity from all others."""
     nested = () if activity.clear_of is None else key_of(activity.clear_of)
-    return (activity.kind, activity.anchor, activity.hand or "", activity.support or "", *nested)
+    where = "elsewhere" if activity.elsewhere else ""
+    return (activity.kind, activity.anchor, activity.hand or "", activity.support or "", where, *nested)
+
+
+def is_other_side(position: Sequence[float], here: Sequence[float], target: Sequence[float]) -> bool:
+    """Return whether a target is seen from another side at a position than from here; of each x and y count."""
+    seen = math.atan2(position[1] - target[1], position[0] - target[0])
+    turn = seen - math.atan2(here[1] - target[1], here[0] - target[0])
+    return abs(math.remainder(turn, 2.0 * math.pi)) >= OTHER_SIDE_RAD

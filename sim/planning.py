@@ -73,7 +73,8 @@ class PlanningWorld:
     def ready(self, activity: Activity) -> Command | None:
         """Return the command that does the activity from where the robot is believed to stand, or None."""
         if activity.kind == "look":
-            return self._kept("ready", activity, self._ready) or self._doubtful_look(activity)
+            look = self._kept("ready", activity, self._ready) or self._doubtful_look(activity)
+            return None if activity.elsewhere and self.approach(activity) is not None else look
         return self._kept("ready", activity, self._ready) or self._kept("ready", activity, self._ready, narrow=True)
 
     def approach(self, activity: Activity) -> MoveBase | None:

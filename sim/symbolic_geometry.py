@@ -113,6 +113,8 @@ class SymbolicGeometry:
                 return None
             if sight.hiders(anchor, (), believed.doubt(anchor)) is None and next(self._ways.sure(activity), None):
                 return None
+        if activity.elsewhere and self.approach(activity) is not None:
+            return None
         middle = z + believed.type(anchor).size_m[2] * (1.0 if is_table else 0.5)
         head = head_towards(self._now.robot.torso, np.array([x, y, middle]))
         return None if head is None else LookAt(pan=head[0], tilt=head[1])

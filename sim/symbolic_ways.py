@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.sim import surveys
-from skolem.sim.activities import Activity
+from skolem.sim.activities import Activity, is_other_side
 from skolem.sim.corridors import CORRIDOR_M, pillar, standing_in
 from skolem.sim.grasps import widest_half
 from skolem.sim.poses import Vector3, flat
@@ -86,6 +86,8 @@ class Ways:
             return
         is_table = believed.type(anchor).shape == "table"
         for stance in (*believed.standoffs(target, support, FAR_M), *believed.ring(target[:2])):
+            if activity.elsewhere and not is_other_side(stance, believed.belief.world_T_base, target):
+                continue
             blockers = () if is_table else believed.sight(stance).hiders(anchor, believed.movable(anchor), doubt_m)
             if blockers is not None:
                 yield Way(stance, tuple(sorted(blockers)))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.sim import sight
-from skolem.sim.activities import Activity
+from skolem.sim.activities import Activity, is_other_side
 from skolem.sim.arm_motions import ArmPlanner, Spots
 from skolem.sim.believed import BelievedWorld
 from skolem.sim.candidates import Candidates
@@ -82,7 +82,8 @@ class Trials:
 
     def serving(self, task: Task, belief: Belief) -> Iterator[Pose2]:
         """Yield the base poses from which an activity can be done, and its object or spot be seen, best first."""
-        looks = task.activity.hand is None
+        activity = task.activity
+        looks = activity.hand is None
         candidates, places = self._around(task, belief.world_T_base)
         failed: list[Pose2] = []
         hidden: list[Pose2] = []
@@ -91,6 +92,8 @@ class Trials:
             if checked >= CHECKED_STANCES or sketched >= SKETCHED_STANCES or joined >= JOINED_STANCES:
                 return
             stance = (float(row[0]), float(row[1]), float(row[2]))
+            if not self._is_asked_for(stance, activity, belief):
+                continue
             if any(is_same(stance, other) for other in failed):
                 continue
             if any(math.dist(stance[:2], other[:2]) < SAME_VIEW_M for other in hidden):
@@ -110,6 +113,11 @@ class Trials:
                         yield stance
                         continue
                 failed.append(stance)
+
+    def _is_asked_for(self, stance: Pose2, activity: Activity, belief: Belief) -> bool:
+        """Return whether a stance is on another side of the object, if it was looked at from here in vain."""
+        at = self._world.standing[activity.anchor].world_T_object if activity.elsewhere else None
+        return at is None or is_other_side(stance, belief.world_T_base, at)
 
     def stands(self, stance: Pose2) -> bool:
         """Put the robot somewhere and return whether it keeps its distance there."""

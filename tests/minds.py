@@ -175,6 +175,7 @@ class TableGeometry:
 
     def drive(self, activity: str) -> None:
         """Stand where `activity` can be done; where an object can be picked, or a support placed on, it is seen too."""
+        activity = activity.removesuffix(" from elsewhere")
         self.at = {activity}
         kind, _, arguments = activity.removesuffix(")").partition("(")
         if kind in ("pick", "place"):

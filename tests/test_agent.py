@@ -113,6 +113,29 @@ def test_an_action_that_changes_nothing_is_given_up_after_some_repeats(rulebook:
     assert "Pick(sodaC)" in end.reason
 
 
+def test_after_some_looks_in_vain_the_next_is_from_elsewhere(rulebook: Rulebook) -> None:
+    limits = LIMITS.model_copy(update={"repeats": 5, "same_looks": 2})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE}, limits=limits)
+    play.fails = {"LookAt(sodaC)"}
+    operators = play.run()
+    first = operators.index("Move(look(sodaC))")
+    look, move = "LookAt(sodaC)", "Move(look(sodaC))"
+    assert operators[first:] == [move, look, look, move, look, look, move, look]
+    assert play.geometry.asked.count("approach look(sodaC) from elsewhere") == 2
+    end = play.turns[-1].end
+    assert end is not None
+    assert "without success 5 times: look(sodaC)" in end.reason
+
+
+def test_where_nothing_known_can_be_meant_the_nearest_object_is_named(rulebook: Rulebook) -> None:
+    play = Play(rulebook, HEAVY_SODA, three_sodas(), log_kg={"sodaE": -1.9, "sodaB": -1.8, "sodaC": -2.5})
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.anchor in ("sodaE", "sodaB", "sodaC")
+    assert end.conjuncts["soda"] > 0.9 > 0.001 > end.conjuncts["heavy"]
+
+
 def test_the_limit_of_steps_ends_the_run(rulebook: Rulebook) -> None:
     limits = LIMITS.model_copy(update={"steps": 3})
     play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED}, limits=limits)

@@ -317,6 +317,18 @@ def test_a_table_where_no_other_can_stand_is_not_believed(sds: tuple[float, floa
     assert robot.belief.anchors() == ("table1", "can1", "can2", "can3")
 
 
+def test_a_table_that_can_be_no_other_tells_a_robot_that_slipped_where_it_is() -> None:
+    robot = Robot(prior(base_sd=0.03))
+    gate, slip = EstimatorConfig().gate, (0.0, 0.15, 0.10)
+    table = robot.belief.gaussian("pose", "table1")
+    seen = compose(inverse(slip), (float(table.mean[0]), float(table.mean[1]), float(table.mean[2])))
+    innovation = log(between((1.0, 0.0, 0.0), seen))
+    assert gate < innovation @ np.linalg.solve(table.covariance, innovation)
+    robot.look([table_detection(seen)])
+    assert robot.belief.gaussian("pose", "table1").mean == pytest.approx(seen, abs=0.02)
+    assert robot.belief.anchors() == ("table1", "can1", "can2", "can3")
+
+
 def test_one_look_is_expected_to_place_a_table_to_about_a_centimetre() -> None:
     expected = np.sqrt(np.diag(Belief(prior()).observation_covariance("pose", "table1")))
     assert (expected > 0.01).sum() == 3

@@ -26,7 +26,7 @@ def all_pairs(seen: list[Pose2], objects: tuple[Pose2, ...] = ROW) -> list[list[
 
 
 def jointly(base_sd: float, seen: list[Pose2], unmatched: float = -2.0) -> tuple[int | None, ...]:
-    return assign_jointly(scene(base_sd), all_pairs(seen), np.full(len(seen), unmatched), GATE, WIDTH)
+    return assign_jointly(scene(base_sd), all_pairs(seen), np.full(len(seen), unmatched), [GATE] * len(seen), WIDTH)
 
 
 def test_scores_are_ambiguous_if_something_has_a_choice() -> None:
@@ -56,8 +56,8 @@ def test_no_anchor_is_assigned_twice_and_clutter_to_none() -> None:
 
 
 def test_looks_without_detections_or_candidates_are_assigned() -> None:
-    assert assign_jointly(scene(0.1), [], np.zeros(0), GATE, WIDTH) == ()
-    assert assign_jointly(scene(0.1, ()), [[]], np.zeros(1), GATE, WIDTH) == (None,)
+    assert assign_jointly(scene(0.1), [], np.zeros(0), [], WIDTH) == ()
+    assert assign_jointly(scene(0.1, ()), [[]], np.zeros(1), [GATE], WIDTH) == (None,)
 
 
 def whole_look_is_right(seed: int, hypotheses: int) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from skolem.sim import grasps
+from skolem.sim.activities import is_other_side
 from skolem.sim.believed import BelievedWorld
 from skolem.sim.planning import PlanningWorld
 from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4
@@ -38,6 +39,7 @@ class Doing:
     hand: Hand | None = None
     support: str | None = None
     clear_of: "Doing | None" = None
+    elsewhere: bool = False
 
 
 @pytest.fixture(scope="module")
@@ -270,6 +272,18 @@ def test_a_drive_to_look_ends_where_the_look_is_ready(planner: PlanningWorld) ->
     assert planner.ready(Doing("look", "soda1")) is None
     goal = driven(start, planner.approach(Doing("look", "soda1")))
     planner.sync(scenes.belief(scenes.sodas(), goal, version=2))
+    assert planner.ready(Doing("look", "soda1")) is not None
+
+
+def test_what_was_looked_at_from_here_in_vain_is_looked_at_from_another_side(planner: PlanningWorld) -> None:
+    planner.sync(scenes.belief(scenes.sodas(), (-1.5, 0.0, math.pi)))
+    here = driven((-1.5, 0.0, math.pi), planner.approach(Doing("look", "soda1")))
+    planner.sync(scenes.belief(scenes.sodas(), here, version=2))
+    assert planner.ready(Doing("look", "soda1")) is not None
+    assert planner.ready(Doing("look", "soda1", elsewhere=True)) is None
+    there = driven(here, planner.approach(Doing("look", "soda1", elsewhere=True)))
+    assert is_other_side(there, here, scenes.sodas()["soda1"].world_T_object)
+    planner.sync(scenes.belief(scenes.sodas(), there, version=3))
     assert planner.ready(Doing("look", "soda1")) is not None
 
 

@@ -11,6 +11,7 @@ import pytest
 from recordings import recorded, rewritten, unchanged
 
 from skolem.reasoner.agent import Agent
+from skolem.reasoner.instances import Instance
 from skolem.tools.live import Silence
 from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replaying import Options, Replayed, replay
@@ -108,13 +109,13 @@ def test_a_trace_without_memory_is_replayed_from_its_start_only(tmp_path: Path) 
 def test_a_hidden_input_of_a_decision_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reasoner that looks at something beside what it is given, here at how often it was built."""
     path, calls = tmp_path / "run.mcap", [0]
-    hopeless = Agent._hopeless
+    is_refused = Agent._is_refused
 
-    def moody(self: Agent, instance: object) -> bool:
+    def moody(self: Agent, instance: Instance, level: int) -> bool:
         calls[0] += 1
-        return calls[0] == 40 or hopeless(self, instance)  # type: ignore[arg-type]
+        return calls[0] == 40 or is_refused(self, instance, level)
 
-    monkeypatch.setattr(Agent, "_hopeless", moody)
+    monkeypatch.setattr(Agent, "_is_refused", moody)
     run(prepare(SCENARIOS / "sim1_green.yaml", (), 0, "symbolic"), path, Silence(), Stopwatch(), Outcome())
     replayed = again(path)
     assert not replayed.identical

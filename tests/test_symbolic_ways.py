@@ -1,11 +1,13 @@
 """Corridors and lines of sight of the symbolic robot: what is believed of them, and what they do in the world."""
 
+import dataclasses
 import math
 
 import pytest
 from test_symbolic import BODIES, DRIVE, TYPES, belief_of, do, geometry, picking, thing, world
 
 from skolem.reasoner.protocols import Activity
+from skolem.sim.activities import is_other_side
 from skolem.sim.corridors import CORRIDOR_M, HAND_M, Pillar, standing_in
 from skolem.sim.symbolic import SymbolicWorld
 from skolem.sim.symbolic_geometry import SymbolicGeometry
@@ -125,6 +127,19 @@ def test_what_is_hidden_from_here_is_looked_at_from_elsewhere() -> None:
     assert any(
         "soda" in d.type_log_likelihood and d.type_log_likelihood["soda"] == 0.0 for d in do(there, look)[1].detections
     )
+
+
+def test_what_was_looked_at_from_here_in_vain_is_looked_at_from_another_side() -> None:
+    there = among()
+    again = dataclasses.replace(LOOK, elsewhere=True)
+    assert geometry(there).ready(LOOK) is not None
+    assert geometry(there).ready(again) is None
+    assert geometry(there).blockers(again) == ()
+    here, drive = there.state(0).world_T_base, geometry(there).approach(again)
+    assert drive is not None
+    do(there, drive)
+    assert is_other_side(there.state(0).world_T_base, here, TARGET.world_T_object)
+    assert geometry(there).ready(LOOK) is not None
 
 
 def test_something_lower_hides_nothing() -> None:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 
+from skolem.reasoner.goals import nearness
 from skolem.reasoner.hierarchy import PlanStack
 from skolem.reasoner.instances import title
 from skolem.reasoner.regression import Step, regress
@@ -14,6 +15,8 @@ from skolem.tools.explanation_plans import IMPLAUSIBLE, planned
 from skolem.tools.recalled_geometry import NotRecordedError
 from skolem.traces.fluents import readable
 from skolem.traces.messages import Decision, Memory, Plan, RunEnd
+
+UNLIKELY = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +78,19 @@ def _short_of_the_goal(choice: Choice, end: RunEnd) -> Iterator[Remedy]:
 
 
 def _properties(insight: Insight, choice: Choice) -> Iterator[Remedy]:
-    """Properties that no known object is likely to have."""
-    words = sorted({word for option in choice.options for word in option.conjuncts})
-    for word in words:
-        p, name = max((o.conjuncts[word], o.object) for o in choice.options if word in o.conjuncts)
-        if p < 0.5:
+    """How near the nearest of the known objects comes to what is meant, and further properties that none has."""
+    known = [option for option in choice.options if option.conjuncts and option.exists is not None]
+    lacking = ""
+    if known:
+        nearest = max(known, key=lambda option: nearness(option.conjuncts, option.object, insight.belief))
+        lacking = min(sorted(nearest.conjuncts), key=nearest.conjuncts.__getitem__)
+        has = ", ".join(f"{word} {p:.3g}" for word, p in nearest.conjuncts.items())
+        finding = f"of all known objects {nearest.object} comes nearest to what is meant: {has}"
+        if nearest.conjuncts[lacking] < UNLIKELY:
+            yield Remedy("property", finding, f"an object that is {lacking} besides would have to be known or found")
+    for word in sorted({word for option in known for word in option.conjuncts} - {lacking}):
+        p, name = max((o.conjuncts[word], o.object) for o in known if word in o.conjuncts)
+        if p < UNLIKELY:
             finding = f"of all known objects {name} is the likeliest to be {word}, with p = {p:.3g}"
             yield Remedy("property", finding, f"an object that is {word} would have to be known or found")
 

@@ -177,6 +177,7 @@ class Limits(Message):
     hierarchy_depth: Annotated[int, Field(ge=12, description="layers of the plan stack")]
     min_plan_probability: Probability
     repeats: Annotated[int, Field(gt=0, description="of one action without success, before it is given up")] = 10
+    same_looks: Annotated[int, Field(gt=0, description="in vain from one place, before the next is from elsewhere")] = 3
     plan_changes: Annotated[int, Field(gt=0, description="of the plan stack in one decision")] = 100
     optimal: Annotated[
         bool, Field(description="take more time, so that no plan at all is likelier than the one found")
@@ -432,6 +433,7 @@ class Memory(Message):
     current: tuple[int, ...] = Field(description="index of the chosen step, per layer")
     executed: RememberedStep | None = Field(description="the step that was carried out last, if it is yet to be judged")
     failures: dict[str, int] = Field(description="how often in a row a step did not do what it should, by instance")
+    in_vain: dict[str, int] = Field(default={}, description="the same since the robot last moved, by command")
 
 
 class Candidate(Message):

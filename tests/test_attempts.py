@@ -1,0 +1,44 @@
+"""What was tried in vain is counted, forgotten by success and by driving on, and survives the trace."""
+
+from skolem.reasoner.attempts import Attempts
+from skolem.reasoner.instances import Instance
+from skolem.reasoner.terms import parse_term
+from skolem.traces.messages import Limits
+
+LIMITS = Limits(steps=1, expansions=1, hierarchy_depth=12, min_plan_probability=0.5, repeats=3, same_looks=2)
+LOOK, DRIVE = "look(o)", "move(look(o))"
+
+
+def done(command: str) -> Instance:
+    term = parse_term(command)
+    return Instance(step=term, called=term, costs=frozenset(), preconditions=frozenset(), executes=term)
+
+
+def tried(*outcomes: tuple[str, bool]) -> Attempts:
+    attempts = Attempts(LIMITS)
+    for command, achieved in outcomes:
+        attempts.judge(done(command), achieved)
+    return attempts
+
+
+def test_a_step_is_hopeless_after_failures_in_a_row() -> None:
+    assert not tried((LOOK, False), (LOOK, False), (LOOK, True), (LOOK, False)).is_hopeless(parse_term(LOOK))
+    failed = tried((LOOK, False), (DRIVE, True), (LOOK, False), (LOOK, False))
+    assert failed.is_hopeless(parse_term(LOOK))
+    assert failed.hopeless() == [parse_term(LOOK)]
+
+
+def test_what_is_in_vain_here_is_forgotten_by_a_drive_and_by_success() -> None:
+    assert tried((LOOK, False)).fruitless_here() == frozenset()
+    assert tried((LOOK, False), (LOOK, False)).fruitless_here() == {parse_term(LOOK)}
+    assert tried((LOOK, False), (LOOK, False), (DRIVE, False)).fruitless_here() == frozenset()
+    assert tried((LOOK, False), (LOOK, False), (LOOK, True)).fruitless_here() == frozenset()
+
+
+def test_counts_survive_the_trace() -> None:
+    before = tried((LOOK, False), (LOOK, False), ("pick(left,o)", True))
+    assert (before.failures(), before.in_vain()) == ({LOOK: 2}, {LOOK: 2})
+    after = Attempts(LIMITS)
+    after.recall(before.failures(), before.in_vain())
+    assert (after.failures(), after.in_vain()) == (before.failures(), before.in_vain())
+    assert after.fruitless_here() == before.fruitless_here()
