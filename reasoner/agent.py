@@ -52,6 +52,10 @@ class Agent:
         belief: Asked at every turn; its `version` tells whether anything changed.
         geometry: Must be synchronised with the belief before each turn.
         limits: Counts after which the run gives up.
+
+    Attributes:
+        denotations: The descriptions of the goal.
+        posed: The goal in the belief as it was when stock was last taken.
     """
 
     def __init__(
@@ -63,7 +67,7 @@ class Agent:
         self._geometry = geometry
         self._limits = limits
         self._stack = PlanStack()
-        self._denotations = Denotations(goal.expressions, rulebook)
+        self.denotations = Denotations(goal.expressions, rulebook)
         self._mutexes = read_mutexes(rulebook)
         self._refused: dict[tuple[Term, int], Term] = {}  # (step, level) -> what it is called
         self._in_vain: set[object] = set()  # searches without a plan in this belief: with more refusals they have none
@@ -71,21 +75,25 @@ class Agent:
         self._attempts = Attempts(limits)
         self._executed: Step | None = None
         self._version = belief.version
-        self._posed = self._pose()
+        self.posed = self._pose()
 
     def decide(self, step: int) -> Turn:
         """Return the next action, or the end of the run, for the belief as it is now."""
-        if self._belief.version != self._version:
-            self._begin_anew()
-        self._judge_last()
-        turn = Turn(closest=self._posed.closest(), denotation=self._denotation(step))
-        if self._posed.achieved() is not None:
+        self.take_stock()
+        turn = Turn(closest=self.posed.closest(), denotation=self._denotation(step))
+        if self.posed.achieved() is not None:
             self._finish(turn, step, "goal_achieved", "every conjunct of the goal is believed")
         elif step >= self._limits.steps:
             self._finish(turn, step, "limit_reached", f"{step} actions were executed (limits.steps)")
         else:
             self._advance(turn, step)
         return turn
+
+    def take_stock(self) -> None:
+        """Pose the goal of the belief as it is now, and judge by it what was done last; `decide` begins with this."""
+        if self._belief.version != self._version:
+            self._begin_anew()
+        self._judge_last()
 
     def memory(self, step: int) -> Memory:
         """Return what is remembered from before; with the belief, all that the next decision depends on."""
@@ -108,16 +116,16 @@ class Agent:
 
     def _begin_anew(self) -> None:
         """Pose the goal of the belief as it is now, and forget what was found out about another."""
-        self._version, self._posed = self._belief.version, self._pose()
+        self._version, self.posed = self._belief.version, self._pose()
         self._refused.clear()
         self._in_vain.clear()
 
     def _pose(self) -> PosedGoal:
-        parts = (self._goal, self._rulebook, self._denotations, self._belief, self._geometry, self._mutexes)
+        parts = (self._goal, self._rulebook, self.denotations, self._belief, self._geometry, self._mutexes)
         return PosedGoal(*parts, self._attempts.fruitless_here())
 
     def _denotation(self, step: int) -> Denotation:
-        tables = {name: dict(self._denotations.table(name, self._belief)) for name in self._goal.expressions}
+        tables = {name: dict(self.denotations.table(name, self._belief)) for name in self._goal.expressions}
         return Denotation(step=step, probability=tables)
 
     # ------------------------------------------------------------ planning
@@ -132,7 +140,7 @@ class Agent:
             self._drop_what_no_longer_applies(turn, step)
             current = self._stack.current()
             if current is None:
-                self._plan(turn, step, self._posed.instantiations, "start")
+                self._plan(turn, step, self.posed.instantiations, "start")
                 if not len(self._stack):
                     self._give_up(turn, step)
             elif current.is_concrete:
@@ -150,9 +158,9 @@ class Agent:
 
     def _drop_what_no_longer_applies(self, turn: Turn, step: int) -> None:
         def false_in(fluents: Subgoal) -> list[Term]:
-            return [f for f in fluents if not self._posed.situation.holds(f)]
+            return [f for f in fluents if not self.posed.situation.holds(f)]
 
-        while changes := self._stack.select(self._posed.satisfied, false_in, self._is_refused):
+        while changes := self._stack.select(self.posed.satisfied, false_in, self._is_refused):
             turn.plans.extend(self._stack.message(step, change) for change in changes)
             for useless in (each for change in changes for each in change.useless):
                 self._refused[useless.instance.step, useless.level] = useless.instance.called
@@ -163,10 +171,10 @@ class Agent:
         search = (roots, final, self._stack.refined())
         if search in self._in_vain:
             return
-        calls, atoms = self._posed.offers.calls, self._posed.offers.ground_atoms
+        calls, atoms = self.posed.offers.calls, self.posed.offers.ground_atoms
         found = regress(
             roots,
-            self._posed.offers,
+            self.posed.offers,
             self._stack.level_of,
             self._is_refused,
             self._limits.expansions,
@@ -174,7 +182,7 @@ class Agent:
             final,
             self._limits.optimal,
         )
-        calls, atoms = self._posed.offers.calls - calls, self._posed.offers.ground_atoms - atoms
+        calls, atoms = self.posed.offers.calls - calls, self.posed.offers.ground_atoms - atoms
         turn.decisions.append(self._decision(step, roots, found, calls, atoms))
         if found.steps:
             self._stack.push(found.steps)
@@ -204,7 +212,7 @@ class Agent:
 
     def _execute(self, turn: Turn, step: int, current: Step) -> None:
         executes = current.instance.executes
-        if executes is not None and (objection := self._posed.situation.objection(executes)) is not None:
+        if executes is not None and (objection := self.posed.situation.objection(executes)) is not None:
             lacking, self._objections[current.instance.step] = objection
             self._attempts.give_up(current.instance.step)
             self._refuse(turn, step, current, lacking)
@@ -229,7 +237,7 @@ class Agent:
         """Note whether the last action did what the plan took it for; what is in vain here may be done elsewhere."""
         if self._executed is not None:
             before = self._attempts.fruitless_here()
-            achieved = self._posed.satisfied(self._executed.subgoal) is not None
+            achieved = self.posed.satisfied(self._executed.subgoal) is not None
             self._attempts.judge(self._executed.instance, achieved)
             self._executed = None
             if self._attempts.fruitless_here() != before:
@@ -237,9 +245,9 @@ class Agent:
 
     def _command(self, executes: Term) -> Command | None:
         if isinstance(executes, Compound) and executes.name == "move":
-            activity = self._posed.situation.activity(executes.args[0])
+            activity = self.posed.situation.activity(executes.args[0])
             return None if activity is None else self._geometry.approach(activity)
-        activity = self._posed.situation.activity(executes)
+        activity = self.posed.situation.activity(executes)
         return None if activity is None else self._geometry.ready(activity)
 
     # ------------------------------------------------------------ ends

@@ -20,7 +20,13 @@ Stranger = Callable[[str, str], float]  # (expression constant, region) -> P(an 
 
 
 class Situation:
-    """Truth and probability of fluents in one belief."""
+    """Truth and probability of fluents in one belief.
+
+    Attributes:
+        belief: The belief.
+        meanings: What the words mean.
+        fruitless_here: Commands that were in vain from where the robot stands: from here they are not to be repeated.
+    """
 
     def __init__(
         self,
@@ -35,7 +41,7 @@ class Situation:
         self._geometry = geometry
         self.meanings = meanings
         self._denotation = denotation
-        self._fruitless_here = fruitless_here
+        self.fruitless_here = fruitless_here
         self._stranger = stranger
         self._anchors = belief.anchors()
         self._holds: dict[Term, bool] = {}
@@ -169,7 +175,7 @@ class Situation:
         """
         match term:
             case Compound("look", (str(anchor),)):
-                elsewhere = term in self._fruitless_here
+                elsewhere = term in self.fruitless_here
                 return Activity("look", anchor, elsewhere=elsewhere) if self.hand_of(anchor) is None else None
             case Compound("pick", (str(hand), str(anchor))):
                 return Activity("pick", anchor, hand_named(hand))

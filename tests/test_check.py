@@ -88,7 +88,7 @@ def test_a_file_cut_at_any_of_twenty_places_is_named_so(trace: Path) -> None:
         trace.write_bytes(sound[:size])
         flaw = check(trace).flaw
         assert flaw is not None
-        assert re.search("the file ends", flaw.message), flaw
+        assert re.search("the file (ends|does not end)", flaw.message), flaw
         assert f"`skolem recover {trace} -o GOOD.mcap`" in flaw.remedy
 
 

@@ -5,12 +5,13 @@ those of the rules attached to the trace. An explanation is plain data; `explana
 """
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from skolem.estimation.belief import Belief
 from skolem.reasoner.agent import Agent
 from skolem.reasoner.denotation import Denotations
-from skolem.reasoner.goals import PosedGoal, read_mutexes
+from skolem.reasoner.goals import PosedGoal
 from skolem.reasoner.proofs import Derivation
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.terms import ANY, Compound, Term, compound, prob
@@ -71,13 +72,16 @@ def insights(run: RecordedRun, given: Given, steps: Iterable[int]) -> Iterator[I
     """Yield the mind at each of some decisions, in order."""
     wanted = sorted(set(steps))
     belief, geometry = Belief(given.told), RecalledGeometry()
-    denotations, mutexes = Denotations(given.goal.expressions, given.rulebook), read_mutexes(given.rulebook)
+    agent = Agent(given.goal, given.rulebook, belief, geometry, given.limits)
     for recorded in run.steps():
         if recorded.step in wanted:
             geometry.take(recorded.answers)
             geometry.sync(belief.snapshot(recorded.step))
-            posed = PosedGoal(given.goal, given.rulebook, denotations, belief, geometry, mutexes)
-            yield Insight(given, recorded, belief, denotations, posed, geometry)
+            if recorded.memory is not None:
+                agent.recall(recorded.memory)
+            with suppress(NotRecordedError):
+                agent.take_stock()
+            yield Insight(given, recorded, belief, agent.denotations, agent.posed, geometry)
         if recorded.step >= max(wanted, default=-1) or recorded.action is None or recorded.met is None:
             return
         belief.update(recorded.action, *recorded.met)
@@ -152,7 +156,7 @@ class Truth:
         holds: Whether it holds; None if the trace cannot tell.
         probability: What is believed of it; None if it is not about a probability.
         wanted: The bound on that; None likewise.
-        detail: What a Gaussian fluent is measured by.
+        detail: What a Gaussian fluent is measured by, or what else speaks for or against it.
     """
 
     fluent: str
@@ -174,6 +178,8 @@ def truth(insight: Insight, fluent: Term) -> Truth:
             return Truth(str(fluent), holds, situation.probability(phi), prob(p))
         case Compound("bn", (Compound(quantity, (str(anchor),)), *_)) if anchor in situation.anchors():
             return Truth(str(fluent), holds, detail=_gaussian(insight, quantity, anchor))
+        case Compound("at", (activity,)) if activity in situation.fruitless_here:
+            return Truth(str(fluent), holds, detail="was in vain from here")
     return Truth(str(fluent), holds)
 
 
