@@ -162,11 +162,11 @@ def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | 
     return None if root is None else _subject(root, belief.anchors()) or ""
 
 
-def nearness(conjuncts: Mapping[str, float], anchor: str, belief: BeliefQueries) -> tuple[float, bool, float]:
+def nearness(conjuncts: Mapping[str, float], anchor: str, belief: BeliefQueries) -> tuple[bool, float, float]:
     """Return how near an object comes to what is meant, for comparison.
 
-    P of all but the property that it is least likely to have comes first; then things that hands can move, then P of
-    that property.
+    Things that hands can move come first; then counts P of all but the property that it is least likely to have, then P
+    of that.
 
     Args:
         conjuncts: P of every property that the descriptions turn on; there is at least one.
@@ -174,7 +174,7 @@ def nearness(conjuncts: Mapping[str, float], anchor: str, belief: BeliefQueries)
         belief: What is believed of it.
     """
     *rest, least = sorted(conjuncts.values(), reverse=True)
-    return belief.prob_exists(anchor) * math.prod(rest), belief.graspable(anchor), least
+    return belief.graspable(anchor), belief.prob_exists(anchor) * math.prod(rest), least
 
 
 def _is_geometric(fluent: Term) -> bool:

@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass, replace
 
-from skolem.sim.poses import compose2, inverse2
-from skolem.traces.messages import ObjectType, Pose2
+from skolem.sim.poses import compose2, flat, inverse2
+from skolem.traces.messages import ObjectType, Pose2, Pose4
 
 Corner = tuple[float, float]
 TOUCHING_M = 0.001
@@ -53,6 +53,13 @@ def overlaps(a: Footprint, b: Footprint) -> bool:
     else:
         a = replace(a, half_m=(max(0.0, a.half_m[0] - TOUCHING_M), max(0.0, a.half_m[1] - TOUCHING_M)))
     return distance(a, b) == 0.0
+
+
+def collide(a: ObjectType, world_T_a: Pose4, b: ObjectType, world_T_b: Pose4) -> bool:
+    """Return whether two upright things would be in one another: at least one of them stands elsewhere."""
+    if world_T_a[2] + a.size_m[2] <= world_T_b[2] or world_T_b[2] + b.size_m[2] <= world_T_a[2]:
+        return False
+    return overlaps(footprint(a, flat(world_T_a)), footprint(b, flat(world_T_b)))
 
 
 def overhang(inner: Footprint, outer: Footprint) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.sim.believed import BelievedWorld
+from skolem.sim.footprints import collide
 from skolem.sim.poses import Vector3, compose4
 from skolem.sim.standing import Standing
 from skolem.traces.messages import ObjectType, Pose4
@@ -29,19 +30,20 @@ class View:
         head: Pan and tilt.
         target: The point in the middle of the image.
         points: What should be seen, shape (g, n, 3): of the object at each of the places where it may be.
-        body: The one that may be before them: their own.
+        bodies: Those that may be before them: their own, and what is believed to be in it, as a look shows which of the
+            two is elsewhere.
         share: Of the n points, how many must be seen, wherever it is.
     """
 
     head: tuple[float, float]
     target: Vector3
     points: Floats
-    body: int
+    bodies: frozenset[int]
     share: float
 
     def is_seen(self, hits: Sequence[int]) -> bool:
         """Return whether enough of the points is seen, given the first body on the way to each."""
-        free = np.array([hit in (self.body, -1) for hit in hits]).reshape(self.points.shape[:2])
+        free = np.array([hit == -1 or hit in self.bodies for hit in hits]).reshape(self.points.shape[:2])
         return bool(free.mean(axis=1).min() >= self.share)
 
 
@@ -56,7 +58,7 @@ def look_at_spot(world: BelievedWorld, table: Standing, spot: tuple[float, float
     target = compose4(table.world_T_object, (*spot, top, 0.0))[:3]
     offsets = [(dx, dy) for dx in (-_PATCH_M, 0.0, _PATCH_M) for dy in (-_PATCH_M, 0.0, _PATCH_M)]
     points = [compose4(table.world_T_object, (spot[0] + dx, spot[1] + dy, top, 0.0))[:3] for dx, dy in offsets]
-    return _seen(world, _turn(world, target, np.array([points]), table.body, THING_SHARE))
+    return _seen(world, _turn(world, target, np.array([points]), frozenset({table.body}), THING_SHARE))
 
 
 def towards(world: BelievedWorld, item: Standing) -> View | None:
@@ -65,7 +67,8 @@ def towards(world: BelievedWorld, item: Standing) -> View | None:
     is_table = item.type.shape == "table"
     eye = world.robot.camera_pose()[0]
     points = _on_table(item) if is_table else _near_side(item, eye)
-    return _turn(world, target, points, item.body, TABLE_SHARE if is_table else THING_SHARE)
+    bodies = {item.body} if is_table else {other.body for other in world.standing.values() if _is_in(other, item)}
+    return _turn(world, target, points, frozenset(bodies), TABLE_SHARE if is_table else THING_SHARE)
 
 
 def hiders(world: BelievedWorld, view: View, movable: Collection[str]) -> tuple[str, ...] | None:
@@ -79,7 +82,8 @@ def hiders(world: BelievedWorld, view: View, movable: Collection[str]) -> tuple[
             hits = world.hits(view.points.reshape(-1, 3))
         if view.is_seen(hits):
             return gone
-        counts = {a: hits.count(world.standing[a].body) for a in movable if a not in gone}
+        left = [a for a in movable if a not in gone and world.standing[a].body not in view.bodies]
+        counts = {a: hits.count(world.standing[a].body) for a in left}
         most = max(sorted(counts), key=lambda anchor: counts[anchor], default=None)
         if most is None or counts[most] == 0:
             return None
@@ -93,17 +97,23 @@ def centre(object_type: ObjectType, world_T_object: Pose4) -> Vector3:
     return (x, y, z + (height if object_type.shape == "table" else height / 2.0))
 
 
+def _is_in(other: Standing, item: Standing) -> bool:
+    """Return whether something is an object itself, or a thing believed to be in it."""
+    is_thing = other.type.shape != "table"
+    return other is item or (is_thing and collide(other.type, other.world_T_object, item.type, item.world_T_object))
+
+
 def _seen(world: BelievedWorld, view: View | None) -> tuple[float, float] | None:
     """Return pan and tilt of a view if enough of it is seen."""
     return view.head if view is not None and view.is_seen(world.hits(view.points.reshape(-1, 3))) else None
 
 
-def _turn(world: BelievedWorld, target: Vector3, points: Floats, body: int, share: float) -> View | None:
+def _turn(world: BelievedWorld, target: Vector3, points: Floats, bodies: frozenset[int], share: float) -> View | None:
     """Turn the head to a point and return the view if it is in range."""
     head = world.look_at(target)
     if head is None or not NEAREST_M <= math.dist(world.robot.camera_pose()[0], target) <= FARTHEST_M:
         return None
-    return View(head, target, points, body, share)
+    return View(head, target, points, bodies, share)
 
 
 def _near_side(item: Standing, eye: Floats) -> Floats:

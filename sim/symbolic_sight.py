@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.sim.cloud import Frame
+from skolem.sim.footprints import collide
 from skolem.sim.poses import Vector3, compose4, inverse4, raised, rotation
 from skolem.sim.symbolic_view import OUTLINE_POINTS, SEEN_SHARE, Solid, camera, cast, fits, head_towards, outline
 from skolem.traces.messages import ObjectType, Pose2, Pose4
@@ -54,7 +55,8 @@ class BelievedSight:
     def hiders(self, name: str, movable: Sequence[str], doubt_m: float = 0.0) -> tuple[str, ...] | None:
         """Turn to a thing and return what must go for it to be seen; None if it is too far or hidden for good.
 
-        What hides most goes first; what stands behind that may hide the thing in its turn.
+        What hides most goes first; what stands behind that may hide the thing in its turn. What is believed to be in
+        the thing itself hides nothing: one of the two is elsewhere, and a look shows which.
 
         Args:
             name: The thing.
@@ -66,7 +68,7 @@ class BelievedSight:
         if self.look_at((x, y, z + solid.type.size_m[2] / 2.0)) is None or not fits(self._frame(), solid):
             return None
         toward = np.concatenate([outline(self._frame().origin, at) for at in self._places(solid, doubt_m)])
-        others = [other for other in self._solids if other.id != name]
+        others = [other for other in self._solids if other.id != name and not _are_in_one_another(other, solid)]
         hidden = {o.id: cast(self._frame(), toward - self._frame().origin, [o]) <= 1.0 for o in others}
         gone: tuple[str, ...] = ()
         while True:
@@ -100,3 +102,8 @@ class BelievedSight:
 
     def _frame(self) -> Frame:
         return camera(self._torso, *self._head)
+
+
+def _are_in_one_another(a: Solid, b: Solid) -> bool:
+    both_things = "table" not in (a.type.shape, b.type.shape)
+    return both_things and collide(a.type, a.base_T_solid, b.type, b.base_T_solid)

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skolem.sim.footprints import Footprint, distance, footprint, overhang, overlaps
+from skolem.sim.footprints import Footprint, collide, distance, footprint, overhang, overlaps
 from skolem.sim.poses import compose2
-from skolem.traces.messages import ObjectType, Pose2
+from skolem.traces.messages import ObjectType, Pose2, Pose4
 
 CAN = ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.1), graspable=True)
 TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.7), graspable=False)
@@ -47,6 +47,19 @@ def test_distance_is_symmetric_and_does_not_depend_on_the_frame(a: Pose2, b: Pos
 def test_tables_side_by_side_do_not_overlap_but_tables_in_each_other_do() -> None:
     assert not overlaps(at(0.0, 0.0), at(0.8, 0.0))
     assert overlaps(at(0.0, 0.0), at(0.79, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("world_T_can", "inside"),
+    [((0.04, 0.0, 0.7, 1.0), True), ((0.08, 0.0, 0.7, 1.0), False), ((0.04, 0.0, 0.9, 1.0), False)],
+    ids=["in it", "beside it", "on top of it"],
+)
+def test_two_things_are_in_one_another_if_they_overlap_at_the_same_height(world_T_can: Pose4, inside: bool) -> None:
+    box = ObjectType(shape="box", size_m=(0.06, 0.09, 0.2), graspable=True)
+    can = ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.1), graspable=True)
+    world_T_box = (0.0, 0.0, 0.7, 0.0)
+    assert collide(box, world_T_box, can, world_T_can) is inside
+    assert collide(can, world_T_can, box, world_T_box) is inside
 
 
 @pytest.mark.parametrize(("x", "y", "beyond"), [(0.0, 0.0, -0.37), (0.4, 0.0, 0.03), (0.0, 0.5, -0.07)])

@@ -50,6 +50,18 @@ def test_a_thing_behind_another_is_not_seen(world: BelievedWorld) -> None:
     assert sight.look(world, world.standing["can"]) is None
 
 
+def test_what_is_believed_to_be_in_a_thing_does_not_hide_it(world: BelievedWorld) -> None:
+    objects = scenes.tables() | {"can": scenes.believed("soda", (1.2, 0.0, 0.68, 0.0))}
+    bottle = scenes.believed("bottle", (1.15, 0.0, 0.68, 0.0), sd_m=0.02)
+    world.update(scenes.belief(objects | {"bottle": bottle}))
+    for name in ("can", "bottle"):
+        item = world.standing[name]
+        assert sight.look(world, item) is not None
+        view = sight.towards(world, item)
+        assert view is not None
+        assert sight.hiders(world, view, ("can", "bottle")) == ()
+
+
 def test_the_robot_s_own_arm_hides_things(world: BelievedWorld) -> None:
     objects = {"can": scenes.believed("soda", (0.9, 0.0, 0.68, 0.0))}
     stretched: Joints7 = (0.25, 0.0, 0.0, -0.5, 0.0, -0.3, 0.0)

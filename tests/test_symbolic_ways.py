@@ -142,6 +142,13 @@ def test_what_was_looked_at_from_here_in_vain_is_looked_at_from_another_side() -
     assert geometry(there).ready(LOOK) is not None
 
 
+def test_what_is_believed_to_be_in_a_thing_does_not_hide_it() -> None:
+    there = among(thing_at("screen", 1.08, 0.0))
+    assert geometry(there).ready(LOOK) is not None
+    assert geometry(there).ready(Activity("look", "screen")) is not None
+    assert geometry(among(thing_at("screen", 1.05, 0.0))).ready(LOOK) is None
+
+
 def test_something_lower_hides_nothing() -> None:
     there = among(thing_at("low", 0.99, 0.0, "soda"))
     assert geometry(there).ready(LOOK) is not None
