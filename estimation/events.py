@@ -7,7 +7,7 @@ reading a log back does not assign again. Events are messages: frozen, validated
 from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import Field, TypeAdapter
+from pydantic import ConfigDict, Field, TypeAdapter
 
 from skolem.traces.messages import (
     Anchor,
@@ -154,7 +154,7 @@ Event = Annotated[
     Began | Posed | Moved | Looked | Picked | PickFailed | Placed | Weighed | Merged | Split | Consolidated,
     Field(discriminator="kind"),
 ]
-EVENT: TypeAdapter[Event] = TypeAdapter(Event)
+EVENT: TypeAdapter[Event] = TypeAdapter(Event, config=ConfigDict(defer_build=True))
 
 
 def canonical_order(detections: Iterable[Detection]) -> tuple[Detection, ...]:

@@ -12,7 +12,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from skolem.estimation import arm
 from skolem.estimation.attributes import after_miss
@@ -70,6 +69,10 @@ class Unexplained:
 
 def _clusters(hits: NDArray[np.int64], grid: Grid) -> list[NDArray[np.int64]]:
     """Return the voxels, as indices, of each cluster of those that were hit and touch by face, edge or corner."""
+    if not hits.any():
+        return []
+    from scipy import ndimage  # takes a while, and few runs hit anything that is not explained
+
     label, count = ndimage.label(hits.reshape(grid.shape) > 0, structure=np.ones((3, 3, 3)))
     return [np.flatnonzero(label.ravel() == index + 1) for index in range(count)]
 

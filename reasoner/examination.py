@@ -21,6 +21,7 @@ from skolem.reasoner.vocabulary import WORD_FACTS, Place, Vocabulary, read_vocab
 from skolem.traces.errors import Fault, InternalError
 
 _ABOUT_NAMES: Final = re.compile(r"info: atom does not occur in any rule head")  # told by the check of names, better
+_WORD_FACT: Final = re.compile(rf"\b({'|'.join(WORD_FACTS)})\(")
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,9 +170,12 @@ def _places(files: _Files) -> Mapping[str, Place]:
             if statement.ast_type is not ASTType.Rule:
                 continue
             head = statement.head
+            text = str(head)
+            if not _WORD_FACT.search(text):
+                continue  # text is far quicker to read than a tree
             for name, arity in OUTPUT.intersection(signatures(head.atom)):
                 place = Place(*_begin(statement), file.fault, file.own, _arguments(head.atom.symbol))
-                found.setdefault(str(head).replace(" ", ""), place)
+                found.setdefault(text.replace(" ", ""), place)
                 found.setdefault(f"{name}/{arity}", place)
     return found
 

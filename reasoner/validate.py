@@ -6,6 +6,7 @@ or an aggregate. What comes in and goes out is named; whatever else is used must
 
 import inspect
 import operator
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -59,6 +60,9 @@ WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and the terms that stand 
         ASTType.Variable,
     }
 )
+# What the text of syntax shows of all that may be wrong with its terms: a @function, a text, a sum or product, a number
+# of ten digits. Most rules have none, and text is far quicker to read than a tree.
+_WORTH_A_LOOK: Final = re.compile(r'[-+*@"]|\d{10}')
 _PERHAPS_NUMBERS: Final = frozenset({ASTType.SymbolicTerm, ASTType.Function, ASTType.BinaryOperation})
 _ARITHMETIC: Final[dict[int, Callable[[int, int], int]]] = {
     ast.BinaryOperator.Plus: operator.add,
@@ -91,7 +95,8 @@ def check(files: Sequence[tuple[RuleFile, Sequence[AST]]], queries_type: type, w
         whole: Whether every file could be parsed; if not, nothing is said of names that are not defined or not used.
     """
     definitions = (s for _, statements in files for s in statements if s.ast_type is ASTType.Definition)
-    seen = _Seen({s.name: value for s in definitions if (value := constant_value(s.value, {})) is not None})
+    constants = {s.name: value for s in definitions if (value := constant_value(s.value, {})) is not None}
+    seen = _Seen(constants, any(abs(value) > GREATEST for value in constants.values()))
     for file, statements in files:
         for statement in statements:
             seen.read(file, statement)
@@ -102,7 +107,10 @@ def check(files: Sequence[tuple[RuleFile, Sequence[AST]]], queries_type: type, w
 
 def signatures(atom: AST) -> list[Signature]:
     """Return the predicates of a symbolic atom: one, or several if it is a pool."""
-    symbol = atom.symbol
+    return _signatures(atom.symbol)
+
+
+def _signatures(symbol: AST) -> list[Signature]:
     kind = symbol.ast_type
     if kind is ASTType.Function:
         return [(symbol.name, len(symbol.arguments))]
@@ -135,9 +143,13 @@ class _Use:
 
 @dataclass(slots=True)
 class _Seen:
-    """Everything of interest in the statements read so far; `constants` are the numbers that `#const` names."""
+    """Everything of interest in the statements read so far.
+
+    `constants` are the numbers that `#const` names, `large` tells whether one of them does not fit.
+    """
 
     constants: dict[str, int]
+    large: bool
     heads: list[tuple[Signature, Callable[[str], Fault]]] = field(default_factory=list)
     uses: list[_Use] = field(default_factory=list)
     calls: list[tuple[str, int, Callable[[str], Fault]]] = field(default_factory=list)
@@ -169,50 +181,56 @@ class _Seen:
                 at(statement)(f"{_NAMES.get(kind, str(kind))} is not allowed in a rule file; leave it out")
             )
             return
-        for node, its_kind in _descend(statement):
-            if its_kind is ASTType.Function and node.external:
-                self.calls.append((node.name, len(node.arguments), at(node)))
-            if its_kind is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
-                self.faults.append(at(node)(f'{node} is a text; rules are written in constants: a_whim, not "a whim"'))
-            value = constant_value(node, self.constants) if its_kind in _PERHAPS_NUMBERS else None
-            if value is not None and abs(value) > GREATEST:
-                self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
+        head = statement.head if kind is ASTType.Rule else None
+        body = tuple(statement.body) if kind in (ASTType.Rule, ASTType.ShowTerm) else ()
+        for part in (statement,) if head is None else (head, *body):
+            if self.large or _WORTH_A_LOOK.search(str(part)):
+                self._read_terms(part, at)
         if kind is ASTType.Defined:
             self.declared.add((statement.name, statement.arity))
         elif kind is ASTType.ShowSignature:
             self.shown.add((statement.name, statement.arity))
             if statement.name:
                 self.uses.append(_Use((statement.name, statement.arity), at(statement), strict=False))
-        elif kind in (ASTType.Rule, ASTType.ShowTerm):
-            uses = [use for element in statement.body for use in _uses(element, at, strict=False)]
-            self.uses += uses
-            if kind is ASTType.Rule:
-                self._read_head(statement.head, at, uses)
+        uses = [use for element in body for use in _uses(element, at, strict=False)]
+        self.uses += uses
+        if head is not None:
+            self._read_head(head, at, uses)
+
+    def _read_terms(self, part: AST, at: Callable[[Any], Callable[[str], Fault]]) -> None:
+        for node, kind in _descend(part):
+            if kind is ASTType.Function and node.external:
+                self.calls.append((node.name, len(node.arguments), at(node)))
+            if kind is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
+                self.faults.append(at(node)(f'{node} is a text; rules are written in constants: a_whim, not "a whim"'))
+            value = constant_value(node, self.constants) if kind in _PERHAPS_NUMBERS else None
+            if value is not None and abs(value) > GREATEST:
+                self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
 
     def _read_head(self, head: AST, at: Callable[[Any], Callable[[str], Fault]], uses: list[_Use]) -> None:
-        message = _refusal(head)
-        if message:
-            self.faults.append(at(head)(message))
+        derived = _derived(head)
+        if isinstance(derived, str):
+            self.faults.append(at(head)(derived))
             return
-        for signature in signatures(head.atom):
+        for signature in derived:
             self.heads.append((signature, at(head)))
             self.depends.setdefault(signature, set()).update(use.signature for use in uses)
             self.strict += [(signature, use) for use in uses if use.strict]
 
 
-def _refusal(head: AST) -> str:
-    """Return why a head is not allowed; nothing if it is one atom."""
+def _derived(head: AST) -> list[Signature] | str:
+    """Return the predicates of a head that is one atom; of others why they are not allowed."""
     kind = head.ast_type
     if kind is ASTType.Disjunction:
         return "a rule has one atom as its head: no disjunction, no condition"
     if kind is not ASTType.Literal:
         return "a rule has one atom as its head: no choice, no aggregate"
     atom = head.atom
-    if atom.ast_type is ASTType.BooleanConstant:
+    kind = atom.ast_type
+    if kind is ASTType.BooleanConstant:
         return "constraints are not allowed: a rule file excludes nothing; derive rejected(S, Reason)"
-    if atom.ast_type is not ASTType.SymbolicAtom or head.sign or not signatures(atom):
-        return "a rule has one atom as its head: no comparison, no 'not', no '-'"
-    return ""
+    found = signatures(atom) if kind is ASTType.SymbolicAtom and not head.sign else []
+    return found or "a rule has one atom as its head: no comparison, no 'not', no '-'"
 
 
 def _descend(node: AST) -> Iterator[tuple[AST, ASTType]]:
@@ -234,8 +252,9 @@ def _uses(element: AST, at: Callable[[Any], Callable[[str], Fault]], strict: boo
     """Yield the predicates in one part of a body."""
     kind = element.ast_type
     if kind is ASTType.SymbolicAtom:
-        for signature in signatures(element):
-            yield _Use(signature, at(element.symbol), strict)
+        symbol = element.symbol
+        for signature in _signatures(symbol):
+            yield _Use(signature, at(symbol), strict)
     elif kind not in WITHOUT_PREDICATES:
         strict = strict or kind in (ASTType.BodyAggregate, ASTType.Aggregate, ASTType.ConditionalLiteral)
         strict = strict or (kind is ASTType.Literal and bool(element.sign))

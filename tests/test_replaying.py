@@ -28,6 +28,11 @@ SCENARIOS = Path(__file__).parent.parent / "scenarios"
 GOLDEN = Path(__file__).parent / "golden"
 SYMBOLIC = ("sim1_green", "sim1_moved", "sim3_unknown", "occluded", "impossible", "illustrative", "real1_oil")
 COMMAND = "import sys; from skolem.tools.cli import main; sys.exit(main())"
+NOT_FOR_A_REPLAY = (  # each takes a while to import
+    *("distributed", "foxglove_schemas_protobuf", "mcap_protobuf", "ompl", "pyarrow", "pybullet", "rerun", "rich"),
+    *("ruamel", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "scipy.stats"),
+    *("skolem.reasoner.linting", "skolem.sim", "skolem.tools.session"),
+)
 OTHER_MACHINES = (
     {"PYTHONHASHSEED": "7", "OPENBLAS_NUM_THREADS": "2"},
     {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"},
@@ -52,6 +57,16 @@ def test_a_run_is_thought_again_to_the_last_byte(scenario: str) -> None:
     assert replayed.comparison.tolerated == 0
     expected = decisions_of(path)
     assert replayed.comparison.compared == expected - Counter({"/run/start": 1, "/prior": 1})
+
+
+def test_the_command_starts_with_no_more_than_thinking_takes() -> None:
+    code = (
+        f"import sys; sys.argv = ['skolem', 'replay', {str(recorded('sim1_green'))!r}]\n"
+        "from skolem.tools.cli import main\nassert main() == 0\n"
+        f"print('LOADED', [m for m in {NOT_FOR_A_REPLAY} if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert out.splitlines()[-1] == "LOADED []"
 
 
 @pytest.mark.physics

@@ -31,9 +31,12 @@ Joints7 = Annotated[
 
 
 class Message(BaseModel):
-    """Base of every message: frozen, strict types, no unknown field, no NaN or infinity."""
+    """Base of every message: frozen, strict types, no unknown field, no NaN or infinity.
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    Validators are built when a message of the type is first made or read: a command uses about half of the types.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
     def canonical(self) -> bytes:
         """Return the one byte string for this value: sorted keys, no spaces, UTF-8."""

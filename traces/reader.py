@@ -18,6 +18,7 @@ from mcap.reader import FOOTER_SIZE, make_reader
 from mcap.records import Channel, Chunk
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE, breakup_chunk
+from mcap.summary import Summary
 
 from skolem.traces.clock import tick_at, time_ns
 from skolem.traces.codec import ContentHash, counter_of, decode, misfit
@@ -95,10 +96,15 @@ class Trace:
     @cached_property
     def schemas(self) -> dict[str, bytes]:
         """The schema of each topic that could have messages: a trace of an older version has fewer, and older ones."""
+        channels, schemas = self._summary.channels.values(), self._summary.schemas
+        return {channel.topic: schemas[channel.schema_id].data for channel in channels}
+
+    @cached_property
+    def _summary(self) -> Summary:
         with self.path.open("rb") as file:
             summary = make_reader(file).get_summary()
         assert summary is not None, "the checksum of the summary was compared"
-        return {channel.topic: summary.schemas[channel.schema_id].data for channel in summary.channels.values()}
+        return summary
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
         """Yield the messages of `topics` (of all, if none is given) in file order.
@@ -107,7 +113,7 @@ class Trace:
             TraceError: If a topic is unknown, or (reading all) a message is missing.
         """
         count = dict.fromkeys(("decision", "truth", "perf"), 0)
-        for channel, record in _indexed(self.path, topics):
+        for channel, record in _indexed(self.path, self._summary, topics):
             recorded = _recorded(self.path, channel, record)
             counter = counter_of(recorded.topic)
             if not topics and recorded.sequence != count[counter]:
@@ -187,15 +193,13 @@ def _crc(file: IO[bytes], start: int, end: int) -> int:
     return crc
 
 
-def _indexed(path: Path, topics: tuple[str, ...]) -> Iterator[tuple[Channel, McapMessage]]:
+def _indexed(path: Path, summary: Summary, topics: tuple[str, ...]) -> Iterator[tuple[Channel, McapMessage]]:
     """Yield the messages of `topics` (of all, if none is given) in file order, one chunk in memory at a time.
 
     The container library's own iteration in file order takes every chunk into memory before the first message.
     """
+    wanted = {number for number, channel in summary.channels.items() if not topics or channel.topic in topics}
     with path.open("rb") as file:
-        summary = make_reader(file).get_summary()
-        assert summary is not None, "the checksum of the summary was compared"
-        wanted = {number for number, channel in summary.channels.items() if not topics or channel.topic in topics}
         for index in sorted(summary.chunk_indexes, key=lambda index: index.chunk_start_offset):
             if wanted.isdisjoint(index.message_index_offsets):
                 continue
