@@ -15,12 +15,13 @@ from benchmarks.agents import Thinking, first_action, ready, whole_run
 from benchmarks.believed import Imagined
 from benchmarks.problems import GOAL, problem
 from benchmarks.tables import Table, Target
+from skolem.reasoner.asking import Asked
 from skolem.reasoner.denotation import Denotations
 from skolem.reasoner.goals import PosedGoal, read_mutexes
 from skolem.reasoner.offers import RuleOffers
 from skolem.reasoner.parser import parse_goal
 from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Asked, Rulebook
+from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import Term, from_symbol, parse_term
 
 MOST = 5000

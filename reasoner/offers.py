@@ -3,10 +3,11 @@
 from collections.abc import Iterable, Mapping
 from typing import Final
 
+from skolem.reasoner.asking import Asked
 from skolem.reasoner.instances import Instance, read_instances
 from skolem.reasoner.patterns import Mutexes
 from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Answers, Asked, Rulebook
+from skolem.reasoner.rulebook import Answers, Rulebook
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import Term, compound
 

@@ -141,16 +141,16 @@ class Queries:
 
     def standing_on(self, support: Term) -> list[Term]:
         """The anchors that rest on another one."""
-        return list(self._standing_on.get(support, ()))
+        occupied, on = self._rests_on
+        if support not in occupied:
+            return []
+        return [anchor for anchor, its in zip(self._now.anchors(), on, strict=True) if its == support]
 
     @cached_property
-    def _standing_on(self) -> dict[Term, list[str]]:
-        found: dict[Term, list[str]] = {}
-        for anchor in self._now.anchors():
-            on = self._now.belief.support(anchor)
-            if on is not None:
-                found.setdefault(on, []).append(anchor)
-        return found
+    def _rests_on(self) -> tuple[frozenset[str | None], tuple[str | None, ...]]:
+        """All that anything rests on, and what each anchor rests on: most things that are asked for carry nothing."""
+        on = tuple(map(self._now.belief.support, self._now.anchors()))
+        return frozenset(on), on
 
     def distance(self, anchor: str) -> Term:
         """From the base to the anchor, millimetres."""

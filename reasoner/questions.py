@@ -8,13 +8,13 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import count
-from typing import Any, Final
+from typing import Final
 
 import clingo
 from clingo import ast
-from clingo.ast import AST, ASTType, Sign
+from clingo.ast import AST, ASTType
 
+from skolem.reasoner.numbering import PREFIX, defined, numbered_rule, numbered_show
 from skolem.reasoner.shapes import Program, predicates, shape, shaped
 from skolem.reasoner.terms import Compound, Term, read_term, to_symbol
 from skolem.reasoner.validate import INPUT, Signature
@@ -22,10 +22,6 @@ from skolem.traces.errors import InternalError
 
 # One thread, a fixed seed, every message; two models are asked for to notice a second one.
 CLINGO_OPTIONS: Final = ("--parallel-mode=1", "--seed=1", "--warn=all", "--models=2")
-_PREFIX: Final = "_of_"  # of the predicates that got the number of the question
-_NUMBER: Final = "Number_of_question"
-_UNNAMED: Final = "_Unnamed"
-_NAMELESS: Final = re.compile(r"\b_\b")
 MEMORY: Final = 4096  # entries of each memo
 _WORD: Final = re.compile(r"[A-Za-z_][\w']*")
 
@@ -56,28 +52,20 @@ class Questions:
 
     def __init__(self, statements: Sequence[AST]) -> None:
         """Read statements that passed validation."""
-        self._rules = [s for s in statements if s.ast_type is ASTType.Rule]
-        self._shown_terms = [s for s in statements if s.ast_type is ASTType.ShowTerm]
-        shapes = [shaped(rule) for rule in self._rules]
+        shown_names = [s for s in statements if s.ast_type is ASTType.ShowSignature]
+        shown_terms = [s for s in statements if s.ast_type is ASTType.ShowTerm]
+        self._sources = [s for s in statements if s.ast_type is ASTType.Rule]
+        shapes = [shaped(rule) for rule in self._sources]
         self._program = Program(shapes)
         self._heads = [frozenset(head.signature for head in rule.heads) for rule in shapes]
         self._uses = [rule.uses for rule in shapes]
         self._numbered = _dependent(self._heads, self._uses)
-        self._outputs = self._show(statements) or frozenset().union(*self._heads)
-        numbering, naming = _Numbering(self._numbered), _Naming()
-        self._rules = [naming.of(numbering.of(rule)) for rule in self._rules]
-        self._constants = {s.name: s for s in statements if s.ast_type is ASTType.Definition}
-        self._always = [_show_signature(s, self._numbered) for s in statements if s.ast_type is ASTType.ShowSignature]
-        self._always += [numbering.of(s) for s in self._shown_terms]
+        self._outputs = _shown(shown_names, shown_terms) or frozenset().union(*self._heads)
+        self._constants = {s.name: _Ready.of(s) for s in statements if s.ast_type is ASTType.Definition}
+        self._always = [_Ready.of(numbered_show(s, self._numbered)) for s in [*shown_names, *shown_terms]]
+        self._rules: dict[int, _Ready] = {}  # those that some question needed so far
         self._needed = lru_cache(MEMORY)(self._find_needed)
         self._slice = lru_cache(MEMORY)(self._find_slice)
-        self._shape = lru_cache(MEMORY)(shape)
-
-    def _show(self, statements: Sequence[AST]) -> frozenset[Signature]:
-        """Return the predicates that are shown; none if nothing says which."""
-        signatures = {(s.name, s.arity) for s in statements if s.ast_type is ASTType.ShowSignature and s.name}
-        shown = {signature for s in self._shown_terms for element in s.body for signature in predicates(element)}
-        return frozenset(signatures | shown)
 
     def solve(self, questions: Sequence[Question], queries: object) -> Solved:
         """Return what follows from each question.
@@ -90,7 +78,7 @@ class Questions:
             InternalError: If a query fails or clingo stops.
         """
         solved = Solved([[] for _ in questions])
-        statements = self._slice(frozenset(frozenset(map(self._shape, facts)) for facts in questions))
+        statements = self._slice(frozenset(frozenset(map(shape, facts)) for facts in questions))
         if not statements:
             return solved
         control = clingo.Control(
@@ -124,17 +112,24 @@ class Questions:
             return []
         derived = set[Signature]().union(*(self._heads[index] for index in needed))
         given = self._outputs | asked | set().union(*(self._uses[index] for index in needed)) - derived
-        chosen = [self._rules[index] for index in needed]
+        chosen = [self._ready(index) for index in needed]
         constants = self._constants_in([*self._always, *chosen])
-        return [*_defined(given, self._numbered), *self._always, *constants, *chosen]
+        ready = [each.statement for each in (*self._always, *constants, *chosen)]
+        return [*defined(given, self._numbered), *ready]
 
-    def _constants_in(self, rules: Iterable[AST]) -> list[AST]:
-        """Return the definitions of the constants that rules name, and of those that these are made of."""
-        found: dict[str, AST] = {}
-        waiting = list(rules)
+    def _ready(self, index: int) -> "_Ready":
+        """Return a rule as it is loaded; made when it is needed first, since many never are."""
+        if index not in self._rules:
+            self._rules[index] = _Ready.of(numbered_rule(self._sources[index], self._numbered))
+        return self._rules[index]
+
+    def _constants_in(self, statements: Iterable["_Ready"]) -> list["_Ready"]:
+        """Return the definitions of the constants that statements name, and of those that these are made of."""
+        found: dict[str, _Ready] = {}
+        waiting = list(statements)
         while waiting:
-            words = set(_WORD.findall(str(waiting.pop())))
-            new = {name: s for name, s in self._constants.items() if name in words and name not in found}
+            names = waiting.pop().words & self._constants.keys() - found.keys()
+            new = {name: self._constants[name] for name in sorted(names)}
             found |= new
             waiting += new.values()
         return list(found.values())
@@ -146,25 +141,49 @@ class Questions:
 
     def _facts(self, questions: Sequence[Question]) -> Iterator[clingo.Symbol]:
         for number, facts in enumerate(questions):
-            yield clingo.Function(_PREFIX, [clingo.Number(number)])
+            yield clingo.Function(PREFIX, [clingo.Number(number)])
             for fact in sorted(facts, key=str):
                 assert isinstance(fact, Compound), "a fact is an atom with arguments"
                 if (fact.name, len(fact.args)) not in self._numbered:
                     raise InternalError(f"{fact} is not an input of the rules; those are: {_inputs()}")
-                yield clingo.Function(_PREFIX + fact.name, [clingo.Number(number), *map(to_symbol, fact.args)])
+                yield _numbered_fact(number, fact)
+
+
+@lru_cache(MEMORY)
+def _numbered_fact(number: int, fact: Compound) -> clingo.Symbol:
+    return clingo.Function(PREFIX + fact.name, [clingo.Number(number), *map(to_symbol, fact.args)])
+
+
+@dataclass(frozen=True, slots=True)
+class _Ready:
+    """A statement as it is loaded, and the words in it: among them are the constants that it names."""
+
+    statement: AST
+    words: frozenset[str]
+
+    @classmethod
+    def of(cls, statement: AST) -> "_Ready":
+        return cls(statement, frozenset(_WORD.findall(str(statement))))
+
+
+def _shown(names: Iterable[AST], terms: Iterable[AST]) -> frozenset[Signature]:
+    """Return the predicates that are shown; none if nothing says which."""
+    signatures = {(s.name, s.arity) for s in names if s.name}
+    shown = {signature for s in terms for element in s.body for signature in predicates(element)}
+    return frozenset(signatures | shown)
 
 
 def _distribute(symbols: Sequence[clingo.Symbol], shown: Sequence[list[Term]]) -> None:
     """Give every question its shown atoms."""
     for text in _texts(symbols):
-        if not text.startswith(_PREFIX):
+        if not text.startswith(PREFIX):
             for each in shown:
                 each.append(read_term(text))
             continue
         head, _, rest = text.partition(",")
         name, _, number = head.partition("(")
-        if name != _PREFIX:
-            plain = name.removeprefix(_PREFIX)
+        if name != PREFIX:
+            plain = name.removeprefix(PREFIX)
             shown[int(number.rstrip(")"))].append(read_term(f"{plain}({rest}" if rest else plain))
         elif rest:
             shown[int(number)].append(read_term(rest.removesuffix(")")))
@@ -179,70 +198,6 @@ def _texts(symbols: Sequence[clingo.Symbol]) -> list[str]:
     return str(clingo.Function("", [*spaced, gap])).removeprefix('("",').removesuffix(',"")').split(',"",')
 
 
-# ---------------------------------------------------------------- numbering
-
-
-class _Numbering(ast.Transformer):
-    """Puts the number of the question into the atoms of a statement."""
-
-    def __init__(self, numbered: frozenset[Signature]) -> None:
-        self._numbered = numbered
-
-    def of(self, statement: AST) -> AST:
-        """Return the statement for questions that are numbered; unchanged if it does not depend on any."""
-        heads = predicates(statement.head.atom) if statement.ast_type is ASTType.Rule else set()
-        positive = [e for e in statement.body if e.ast_type is ASTType.Literal and e.sign == Sign.NoSign]
-        if not self._numbered & heads.union(*map(predicates, statement.body)):
-            return statement
-        found, location = self.visit(statement), statement.location
-        if not any(self._numbered & predicates(element) for element in positive):
-            atom = ast.SymbolicAtom(ast.Function(location, _PREFIX, [_number(location)], 0))
-            found = found.update(body=[ast.Literal(location, Sign.NoSign, atom), *found.body])
-        if statement.ast_type is ASTType.ShowTerm:
-            found = found.update(term=ast.Function(location, _PREFIX, [_number(location), found.term], 0))
-        return found
-
-    def visit_SymbolicAtom(self, node: AST) -> AST:
-        """Number an atom."""
-        symbol = node.symbol
-        if symbol.ast_type is ASTType.Pool:
-            terms = [self._atom(term) for term in symbol.arguments]
-            return node.update(symbol=symbol.update(arguments=terms))
-        return node.update(symbol=self._atom(symbol))
-
-    def _atom(self, term: AST) -> AST:
-        if (term.name, len(term.arguments)) not in self._numbered:
-            return term
-        return term.update(name=_PREFIX + term.name, arguments=[_number(term.location), *term.arguments])
-
-
-class _Naming(ast.Transformer):
-    """Gives a name to every `_` in positive literals.
-
-    For `p(X, _)` clingo makes one more predicate, p without its last place, and a rule for it. Where rules have few
-    instances each, such rules cost more than they save. Under `not` the `_` stays: a named variable would be unsafe.
-    """
-
-    def __init__(self) -> None:
-        self._numbers = count(1)
-
-    def of(self, statement: AST) -> AST:
-        """Return the statement with names; few have any `_`, which their text tells much faster than a walk."""
-        return self.visit(statement) if _NAMELESS.search(str(statement)) else statement
-
-    def visit_Literal(self, node: AST) -> AST:
-        """Leave a negative literal as it is."""
-        return node if node.sign != Sign.NoSign else node.update(**self.visit_children(node))
-
-    def visit_Variable(self, node: AST) -> AST:
-        """Name a variable that has no name."""
-        return node if node.name != "_" else node.update(name=f"{_UNNAMED}{next(self._numbers)}")
-
-
-def _number(location: Any) -> AST:
-    return ast.Variable(location, _NUMBER)
-
-
 def _dependent(heads: Sequence[frozenset[Signature]], uses: Sequence[frozenset[Signature]]) -> frozenset[Signature]:
     """Return the predicates whose truth depends on the facts of a question."""
     found = set(INPUT)
@@ -251,22 +206,6 @@ def _dependent(heads: Sequence[frozenset[Signature]], uses: Sequence[frozenset[S
         if not more:
             return frozenset(found)
         found |= more
-
-
-def _defined(given: Iterable[Signature], numbered: frozenset[Signature]) -> list[AST]:
-    """Return `#defined` for predicates that no rule at hand derives: facts of questions, and what is never true."""
-    names = [(_PREFIX, 1)] + [
-        (_PREFIX + name, n + 1) if (name, n) in numbered else (name, n) for name, n in sorted(given)
-    ]
-    found: list[AST] = []
-    ast.parse_string(" ".join(f"#defined {name}/{n}." for name, n in names), found.append)
-    return [statement for statement in found if statement.ast_type is ASTType.Defined]
-
-
-def _show_signature(statement: AST, numbered: frozenset[Signature]) -> AST:
-    if (statement.name, statement.arity) not in numbered:
-        return statement
-    return statement.update(name=_PREFIX + statement.name, arity=statement.arity + 1)
 
 
 def _inputs() -> str:

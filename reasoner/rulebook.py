@@ -2,20 +2,20 @@
 
 import hashlib
 import weakref
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any, Final
 
-import clingo
 from clingo.ast import AST
 
+from skolem.reasoner.asking import Asked
 from skolem.reasoner.examination import examine
 from skolem.reasoner.questions import Question, Questions
 from skolem.reasoner.rule_files import RuleFile, explain
-from skolem.reasoner.terms import Compound, Term, from_symbol, to_symbol
+from skolem.reasoner.terms import Compound, Term
 from skolem.reasoner.vocabulary import Vocabulary
 from skolem.traces.errors import Fault, InputError, InternalError
 
@@ -34,8 +34,6 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "mutex",  # what may not hold together
     "regress",  # what one regression step hands over
 )
-
-Symbols = clingo.Symbol | list[clingo.Symbol]  # a query's answer, to clingo
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,9 +138,7 @@ class Rulebook:
         answers = self.solve_each([tuple(facts)], Asked(queries), files)
         return Answer(answers.atoms[0], answers.ground_atoms)
 
-    def solve_each(
-        self, questions: Sequence[Question], asked: "Asked", files: Sequence[str] | None = None
-    ) -> "Answers":
+    def solve_each(self, questions: Sequence[Question], asked: Asked, files: Sequence[str] | None = None) -> "Answers":
         """Return what follows from each of some sets of facts, as if it were alone, from one call of clingo.
 
         Args:
@@ -173,33 +169,6 @@ def _by_predicate(shown: Iterable[Term]) -> dict[str, list[tuple[Term, ...]]]:
         name, args = (term.name, term.args) if isinstance(term, Compound) else (str(term), ())
         found.setdefault(name, []).append(args)
     return found
-
-
-class Asked:
-    """Answers the @functions of the rules from a queries object, each question only once."""
-
-    def __init__(self, queries: object) -> None:
-        self._queries = queries
-        self._memo: dict[str, dict[tuple[clingo.Symbol, ...], Symbols]] = {}
-
-    def __getattr__(self, name: str) -> Callable[..., Symbols]:
-        memo = self._memo.setdefault(name, {})
-
-        def ask(*symbols: clingo.Symbol) -> Symbols:
-            found = memo.get(symbols)
-            if found is None:
-                found = memo[symbols] = self._answer(name, symbols)
-            return found
-
-        return ask
-
-    def _answer(self, name: str, symbols: Sequence[clingo.Symbol]) -> Symbols:
-        try:
-            found: Term | list[Term] = getattr(self._queries, name)(*map(from_symbol, symbols))
-            return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
-        except Exception as error:
-            text = f"@{name}({', '.join(map(str, symbols))})"
-            raise InternalError(f"query {text} failed: {type(error).__name__}: {error}") from error
 
 
 def _clear(*kept: dict[Any, Any]) -> None:

@@ -9,6 +9,7 @@ cannot fire in answering it, and is left out without changing the answer.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import Any, Final
 
@@ -23,6 +24,7 @@ Atom = tuple[Term, ...]  # the arguments of an atom, as shapes
 
 _DEEPEST: Final = 6  # shapes are not told apart below
 _MOST_SHAPES: Final = 64  # of one predicate; with more they are not told apart at all
+_MEMORY: Final = 1 << 14  # terms whose shape is remembered
 _LEAF: Final = "leaf"  # the shape of constants and numbers
 _VARIABLE: Final = "$"  # variables of a rule are compounds of this name
 
@@ -57,6 +59,7 @@ def shape(term: Term) -> Term:
     return _cut(term, _DEEPEST)
 
 
+@lru_cache(_MEMORY)
 def _cut(term: Term, depth: int) -> Term:
     if term == ANY or depth == 0:
         return ANY
@@ -74,16 +77,19 @@ def shaped(rule: AST) -> Shaped:
     equal: list[tuple[Term, Term]] = []
     uses: set[Signature] = set()
     for element in rule.body:
-        uses |= predicates(element)
-        if element.ast_type is not ASTType.Literal or element.sign != Sign.NoSign:
+        if element.ast_type is not ASTType.Literal:
+            uses |= predicates(element)
             continue
-        atom = element.atom
+        atom, positive = element.atom, element.sign == Sign.NoSign
         kind = atom.ast_type
-        if kind is ASTType.SymbolicAtom:
-            body.append(_literals(atom))
-        elif kind is ASTType.Comparison and len(guards := atom.guards) == 1:
-            if guards[0].comparison == ComparisonOperator.Equal:
-                equal.append((_pattern(atom.term), _pattern(guards[0].term)))
+        if kind is ASTType.SymbolicAtom and positive:
+            pool = _literals(atom)
+            uses |= {literal.signature for literal in pool}
+            body.append(pool)
+        elif kind is not ASTType.Comparison:
+            uses |= predicates(atom)
+        elif positive and len(guards := atom.guards) == 1 and guards[0].comparison == ComparisonOperator.Equal:
+            equal.append((_pattern(atom.term), _pattern(guards[0].term)))
     return Shaped(_literals(rule.head.atom), tuple(body), tuple(equal), frozenset(uses))
 
 
@@ -106,13 +112,16 @@ def _literals(atom: AST) -> tuple[Literal, ...]:
 
 def _pattern(term: Any) -> Term:
     """Return a term of a rule as a pattern; `any` for whatever shapes cannot tell."""
-    match term.ast_type:
-        case ASTType.Variable:
-            return ANY if term.name == "_" else Compound(_VARIABLE, (term.name,))
-        case ASTType.Function if not term.external and term.arguments:
-            return Compound(term.name, tuple(map(_pattern, term.arguments)))
-        case ASTType.SymbolicTerm if term.symbol.type is SymbolType.Function and term.symbol.arguments:
-            return Compound(term.symbol.name, (ANY,) * len(term.symbol.arguments))
+    kind = term.ast_type
+    if kind is ASTType.Variable:
+        name = term.name
+        return ANY if name == "_" else Compound(_VARIABLE, (name,))
+    if kind is ASTType.SymbolicTerm:
+        symbol = term.symbol
+        if symbol.type is SymbolType.Function and (arguments := symbol.arguments):
+            return Compound(symbol.name, (ANY,) * len(arguments))
+    elif kind is ASTType.Function and (arguments := term.arguments) and not term.external:
+        return Compound(term.name, tuple(map(_pattern, arguments)))
     return ANY
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from skolem.reasoner.asking import Asked
 from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import RULE_FILES, Asked, Rulebook
+from skolem.reasoner.rulebook import RULE_FILES, Rulebook
 from skolem.reasoner.terms import Term, compound, parse_term
 from skolem.traces.errors import InputError, InternalError
 

@@ -1,0 +1,37 @@
+"""The @functions of the rules as clingo calls them."""
+
+from collections.abc import Callable, Sequence
+
+import clingo
+
+from skolem.reasoner.terms import Term, from_symbol, to_symbol
+from skolem.traces.errors import InternalError
+
+Symbols = clingo.Symbol | list[clingo.Symbol]  # a query's answer, to clingo
+
+
+class Asked:
+    """Answers the @functions of the rules from a queries object, each question only once."""
+
+    def __init__(self, queries: object) -> None:
+        self._queries = queries
+        self._memo: dict[str, dict[tuple[clingo.Symbol, ...], Symbols]] = {}
+
+    def __getattr__(self, name: str) -> Callable[..., Symbols]:
+        memo = self._memo.setdefault(name, {})
+
+        def ask(*symbols: clingo.Symbol) -> Symbols:
+            found = memo.get(symbols)
+            if found is None:
+                found = memo[symbols] = self._answer(name, symbols)
+            return found
+
+        return ask
+
+    def _answer(self, name: str, symbols: Sequence[clingo.Symbol]) -> Symbols:
+        try:
+            found: Term | list[Term] = getattr(self._queries, name)(*map(from_symbol, symbols))
+            return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
+        except Exception as error:
+            text = f"@{name}({', '.join(map(str, symbols))})"
+            raise InternalError(f"query {text} failed: {type(error).__name__}: {error}") from error
