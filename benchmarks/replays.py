@@ -25,26 +25,31 @@ def tables() -> list[Table]:
         ]
         alone = [_replayed([trace]) for trace in traces]
         seconds, together = _replayed([traces[0], *traces])
-    rows, ratios, inner = [], [], []
+    rows, ratios, inner, lived, later = [], [], [], [], []
     for name, run, (command, found), other in zip(SCENARIOS, runs, alone, together[1:], strict=True):
         ratios.append(run / command)
         inner.append(found[0]["run_s"] / found[0]["replay_s"])
-        rest = other["run_s"] / other["replay_s"]
-        times = [run, command, ratios[-1], found[0]["replay_s"], inner[-1], other["replay_s"], rest]
+        lived.append(found[0]["simulated_s"] / command)
+        later.append(other["run_s"] / other["replay_s"])
+        times = [found[0]["simulated_s"], run, command, lived[-1], ratios[-1]]
+        times += [found[0]["replay_s"], inner[-1], other["replay_s"], later[-1]]
         rows.append([name, found[0]["decisions"], *(f"{value:.2f}" for value in times)])
-    every = sum(found["run_s"] for found in together)
+    every, every_lived = (sum(found[what] for found in together) for what in ("run_s", "simulated_s"))
     return [
         Table(
             "Replays beside their runs",
-            "Wall times of `skolem run` in PyBullet, seed 0, and of `skolem replay` of its trace, which is identical "
-            "each time: of the whole commands; of run and replay themselves, without the start of the program; and of "
-            "a replay in a command that has read the same rules for another trace before.",
+            "Of `skolem run` in PyBullet, seed 0, and of `skolem replay` of its trace, which is identical each time: "
+            "how long the robot took, by its own clock, and the wall times of the whole commands; of run and replay "
+            "themselves, without the start of the program; and of a replay in a command that has read the same rules "
+            "for another trace before.",
             (
                 "scenario",
                 "decisions",
+                "robot, s",
                 "run, s",
                 "replay, s",
-                "ratio",
+                "robot / replay",
+                "run / replay",
                 "itself, s",
                 "ratio",
                 "after another, s",
@@ -52,17 +57,20 @@ def tables() -> list[Table]:
             ),
             rows,
             [
-                Target(f"a command at least {TIMES} times faster", min(ratios) >= TIMES, f"{min(ratios):.1f}"),
-                Target(f"a replay itself at least {TIMES} times faster", min(inner) >= TIMES, f"{min(inner):.1f}"),
-                Target(
-                    f"one command for {len(together)} traces at least {TIMES} times faster than the runs",
-                    every / seconds >= TIMES,
-                    f"{every / seconds:.1f}",
-                ),
+                _faster("a command", "the robot", min(lived)),
+                _faster(f"one command for {len(together)} traces", "the robot", every_lived / seconds),
+                _faster("a command", "the run", min(ratios)),
+                _faster("a replay itself", "the run", min(inner)),
+                _faster("a replay with rules that were read before", "the run", min(later)),
+                _faster(f"one command for {len(together)} traces", "the runs", every / seconds),
             ],
             [_start_up(alone[0][0] - alone[0][1][0]["replay_s"])],
         )
     ]
+
+
+def _faster(what: str, than: str, ratio: float) -> Target:
+    return Target(f"{what} at least {TIMES} times faster than {than}", ratio >= TIMES, f"{ratio:.1f}")
 
 
 def _start_up(seconds: float) -> str:
