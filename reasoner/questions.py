@@ -15,6 +15,7 @@ from clingo import ast
 from clingo.ast import AST, ASTType
 
 from skolem.reasoner.numbering import PREFIX, defined, numbered_rule, numbered_show
+from skolem.reasoner.packing import PACK, packable, packed
 from skolem.reasoner.shapes import Program, predicates, shape, shaped
 from skolem.reasoner.terms import Compound, Term, read_term, to_symbol
 from skolem.reasoner.validate import INPUT, Signature
@@ -34,13 +35,13 @@ class Solved:
 
     Attributes:
         shown: Per question its shown atoms, as if it had been asked alone.
-        ground_atoms: Number of atoms in the ground program.
+        ground_atoms: Number of atoms in the ground program, those counted one by one that were derived together.
         messages: What clingo had to say.
         models: Number of answer sets, of two at most.
         asked: Whether clingo was called: it is not if no rule can fire.
     """
 
-    shown: list[list[Term]]
+    shown: list[set[Term]]
     ground_atoms: int = 0
     messages: list[str] = field(default_factory=list)
     models: int = 1
@@ -63,6 +64,8 @@ class Questions:
         self._outputs = _shown(shown_names, shown_terms) or frozenset().union(*self._heads)
         self._constants = {s.name: _Ready.of(s) for s in statements if s.ast_type is ASTType.Definition}
         self._always = [_Ready.of(numbered_show(s, self._numbered)) for s in [*shown_names, *shown_terms]]
+        ends = self._numbered & self._outputs - frozenset().union(*self._uses)
+        self._ends = frozenset((PREFIX + name, n + 1) for name, n in ends)
         self._rules: dict[int, _Ready] = {}  # those that some question needed so far
         self._needed = lru_cache(MEMORY)(self._find_needed)
         self._slice = lru_cache(MEMORY)(self._find_slice)
@@ -77,7 +80,7 @@ class Questions:
         Raises:
             InternalError: If a query fails or clingo stops.
         """
-        solved = Solved([[] for _ in questions])
+        solved = Solved([set() for _ in questions])
         statements = self._slice(frozenset(frozenset(map(shape, facts)) for facts in questions))
         if not statements:
             return solved
@@ -100,8 +103,8 @@ class Questions:
             for model in handle:
                 solved.models += 1
                 if solved.models == 1:
-                    _distribute(model.symbols(shown=True), solved.shown)
-        solved.ground_atoms = len(control.symbolic_atoms)
+                    solved.ground_atoms += _distribute(model.symbols(shown=True), solved.shown)
+        solved.ground_atoms += len(control.symbolic_atoms)
         return solved
 
     def _find_slice(self, shapes: frozenset[frozenset[Term]]) -> list[AST]:
@@ -114,13 +117,15 @@ class Questions:
         given = self._outputs | asked | set().union(*(self._uses[index] for index in needed)) - derived
         chosen = [self._ready(index) for index in needed]
         constants = self._constants_in([*self._always, *chosen])
-        ready = [each.statement for each in (*self._always, *constants, *chosen)]
-        return [*defined(given, self._numbered), *ready]
+        ready = [each.statement for each in (*self._always, *constants)]
+        rules = packed((each.statement, each.body) for each in chosen)
+        return [*defined(given, self._numbered), *ready, *rules]
 
     def _ready(self, index: int) -> "_Ready":
         """Return a rule as it is loaded; made when it is needed first, since many never are."""
         if index not in self._rules:
-            self._rules[index] = _Ready.of(numbered_rule(self._sources[index], self._numbered))
+            rule = numbered_rule(self._sources[index], self._numbered)
+            self._rules[index] = _Ready.of(rule, packable(rule, self._ends))
         return self._rules[index]
 
     def _constants_in(self, statements: Iterable["_Ready"]) -> list["_Ready"]:
@@ -156,14 +161,21 @@ def _numbered_fact(number: int, fact: Compound) -> clingo.Symbol:
 
 @dataclass(frozen=True, slots=True)
 class _Ready:
-    """A statement as it is loaded, and the words in it: among them are the constants that it names."""
+    """A statement as it is loaded.
+
+    Attributes:
+        statement: Itself.
+        words: All words in it; among them are the constants that it names.
+        body: What it has in common with the rules that it can be joined with; empty if it cannot be.
+    """
 
     statement: AST
     words: frozenset[str]
+    body: str
 
     @classmethod
-    def of(cls, statement: AST) -> "_Ready":
-        return cls(statement, frozenset(_WORD.findall(str(statement))))
+    def of(cls, statement: AST, body: str = "") -> "_Ready":
+        return cls(statement, frozenset(_WORD.findall(str(statement))), body)
 
 
 def _shown(names: Iterable[AST], terms: Iterable[AST]) -> frozenset[Signature]:
@@ -173,20 +185,33 @@ def _shown(names: Iterable[AST], terms: Iterable[AST]) -> frozenset[Signature]:
     return frozenset(signatures | shown)
 
 
-def _distribute(symbols: Sequence[clingo.Symbol], shown: Sequence[list[Term]]) -> None:
-    """Give every question its shown atoms."""
+def _distribute(symbols: Sequence[clingo.Symbol], shown: Sequence[set[Term]]) -> int:
+    """Give every question its shown atoms; return how many more there are than if each that was packed were one."""
+    packs: list[tuple[set[Term], set[Term]]] = []
     for text in _texts(symbols):
         if not text.startswith(PREFIX):
             for each in shown:
-                each.append(read_term(text))
+                each.add(read_term(text))
             continue
         head, _, rest = text.partition(",")
         name, _, number = head.partition("(")
-        if name != PREFIX:
+        mine = shown[int(number.rstrip(")"))]
+        if name == PACK:
+            packs.append((mine, set(_arguments(read_term(f"pack({rest}")))))
+        elif name != PREFIX:
             plain = name.removeprefix(PREFIX)
-            shown[int(number.rstrip(")"))].append(read_term(f"{plain}({rest}" if rest else plain))
+            mine.add(read_term(f"{plain}({rest}" if rest else plain))
         elif rest:
-            shown[int(number)].append(read_term(rest.removesuffix(")")))
+            mine.add(read_term(rest.removesuffix(")")))
+    more = -len(packs)
+    for mine, derived in packs:
+        more += len(derived - mine)
+        mine |= derived
+    return more
+
+
+def _arguments(term: Term) -> tuple[Term, ...]:
+    return term.args if isinstance(term, Compound) else ()
 
 
 def _texts(symbols: Sequence[clingo.Symbol]) -> list[str]:
