@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from test_belief import CANS, Robot, depth_view, detection, prior
+from beliefs import CANS, Robot, depth_view, detection, prior
 from test_pose_graph import began, graph_of, looked, random_log
 
 from skolem.estimation.belief import Belief

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from test_belief import (
+from beliefs import (
     CANS,
     FIT_SD,
     GREEN,

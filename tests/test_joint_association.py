@@ -1,8 +1,8 @@
 import math
 
 import numpy as np
+from beliefs import CANS, Robot, detection, prior
 from numpy.random import PCG64, Generator, SeedSequence
-from test_belief import CANS, Robot, detection, prior
 
 from skolem.estimation.association import Measured
 from skolem.estimation.config import EstimatorConfig

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from beliefs import CAMERA, FIT_SD, NOISE, PITCH, TABLE_TOP, TYPES, Robot, detection, prior
 from numpy.random import PCG64, Generator, SeedSequence
 from tabletop import looking
-from test_belief import CAMERA, FIT_SD, NOISE, PITCH, TABLE_TOP, TYPES, Robot, detection, prior
 
 from skolem.estimation.se2 import between, compose, exp
 from skolem.sim.symbolic_view import Solid, depth_view
