@@ -3,7 +3,7 @@
 #   make demo    install, then run the first scenario
 #   make test    install, then run the tests
 #   make check   formatter, linter, types, tests, and a wheel in an empty environment: what a change must pass
-#   make bench   measure reasoner and estimator beside their peers, into docs/benchmarks.md (15 to 20 minutes)
+#   make bench   measure reasoner and estimator beside their peers, into docs/benchmarks.md (about a quarter of an hour)
 #   make setup   install only
 #   make lock    choose the newest versions of all dependencies anew
 #   make clean   remove everything that the others made
