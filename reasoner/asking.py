@@ -15,10 +15,9 @@ class Asked:
 
     def __init__(self, queries: object) -> None:
         self._queries = queries
-        self._memo: dict[str, dict[tuple[clingo.Symbol, ...], Symbols]] = {}
 
     def __getattr__(self, name: str) -> Callable[..., Symbols]:
-        memo = self._memo.setdefault(name, {})
+        memo: dict[tuple[clingo.Symbol, ...], Symbols] = {}
 
         def ask(*symbols: clingo.Symbol) -> Symbols:
             found = memo.get(symbols)
@@ -26,6 +25,7 @@ class Asked:
                 found = memo[symbols] = self._answer(name, symbols)
             return found
 
+        setattr(self, name, ask)  # from now on clingo finds it without coming here
         return ask
 
     def _answer(self, name: str, symbols: Sequence[clingo.Symbol]) -> Symbols:

@@ -91,7 +91,7 @@ def read_instances(atoms: Mapping[str, Iterable[tuple[Term, ...]]]) -> tuple[Ins
 
     for (step,) in atoms.get("candidate", ()):
         of(step)
-    for step, name in atoms.get("called", ()):
+    for step, name in (*atoms.get("operation", ()), *atoms.get("called", ())):  # in older traces: called
         of(step).called = name
     for step, reason, cost in atoms.get("cost", ()):
         of(step).costs.add((reason, _integer(cost)))

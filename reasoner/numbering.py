@@ -4,7 +4,7 @@ All work is done in place, on copies: of the ways to change a syntax tree this i
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from copy import deepcopy
 from itertools import count
 from typing import Final
@@ -45,14 +45,6 @@ def numbered_show(statement: AST, numbered: frozenset[Signature]) -> AST:
     elif (found.name, found.arity) in numbered:
         found.name, found.arity = PREFIX + found.name, found.arity + 1
     return found
-
-
-def defined(given: Iterable[Signature], numbered: frozenset[Signature]) -> list[AST]:
-    """Return `#defined` for predicates that no rule at hand derives: facts of questions, and what is never true."""
-    names = [(PREFIX + name, n + 1) if (name, n) in numbered else (name, n) for name, n in sorted(given)]
-    found: list[AST] = []
-    ast.parse_string(" ".join(f"#defined {name}/{n}." for name, n in [(PREFIX, 1), *names]), found.append)
-    return [statement for statement in found if statement.ast_type is ASTType.Defined]
 
 
 def _number(statement: AST, numbered: frozenset[Signature]) -> AST | None:

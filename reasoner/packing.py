@@ -61,7 +61,7 @@ def _pack(group: Sequence[AST]) -> AST:
 
 def _shown(sizes: Iterable[int]) -> list[AST]:
     found: list[AST] = []
-    ast.parse_string(" ".join(f"#defined {PACK}/{n}. #show {PACK}/{n}." for n in sorted(sizes)), found.append)
+    ast.parse_string(" ".join(f"#show {PACK}/{n}." for n in sorted(sizes)), found.append)
     return [statement for statement in found if statement.ast_type is not ASTType.Program]
 
 

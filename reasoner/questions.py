@@ -14,7 +14,7 @@ import clingo
 from clingo import ast
 from clingo.ast import AST, ASTType
 
-from skolem.reasoner.numbering import PREFIX, defined, numbered_rule, numbered_show
+from skolem.reasoner.numbering import PREFIX, numbered_rule, numbered_show
 from skolem.reasoner.packing import PACK, packable, packed
 from skolem.reasoner.shapes import Program, predicates, shape, shaped
 from skolem.reasoner.terms import Compound, Term, read_term, to_symbol
@@ -23,6 +23,7 @@ from skolem.traces.errors import InternalError
 
 # One thread, a fixed seed, every message; two models are asked for to notice a second one.
 CLINGO_OPTIONS: Final = ("--parallel-mode=1", "--seed=1", "--warn=all", "--models=2")
+_UNDEFINED: Final = "--warn=no-atom-undefined"  # what is never derived was found when the rules were read, all at once
 MEMORY: Final = 4096  # entries of each memo
 _WORD: Final = re.compile(r"[A-Za-z_][\w']*")
 
@@ -84,9 +85,8 @@ class Questions:
         statements = self._slice(frozenset(frozenset(map(shape, facts)) for facts in questions))
         if not statements:
             return solved
-        control = clingo.Control(
-            list(CLINGO_OPTIONS), logger=lambda _code, text: solved.messages.append(text), message_limit=100
-        )
+        options = [*CLINGO_OPTIONS, _UNDEFINED]
+        control = clingo.Control(options, logger=lambda _code, text: solved.messages.append(text), message_limit=100)
         with ast.ProgramBuilder(control) as builder:
             for statement in statements:
                 builder.add(statement)
@@ -113,13 +113,11 @@ class Questions:
         needed = sorted(frozenset().union(*map(self._needed, shapes)))
         if not needed and not asked & self._outputs:
             return []
-        derived = set[Signature]().union(*(self._heads[index] for index in needed))
-        given = self._outputs | asked | set().union(*(self._uses[index] for index in needed)) - derived
         chosen = [self._ready(index) for index in needed]
         constants = self._constants_in([*self._always, *chosen])
         ready = [each.statement for each in (*self._always, *constants)]
         rules = packed((each.statement, each.body) for each in chosen)
-        return [*defined(given, self._numbered), *ready, *rules]
+        return [*ready, *rules]
 
     def _ready(self, index: int) -> "_Ready":
         """Return a rule as it is loaded; made when it is needed first, since many never are."""
