@@ -1,6 +1,6 @@
 """A recorded run, as a replay reads it: what the robot was told, and step by step what it thought and met."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -129,11 +129,19 @@ class RecordedRun:
         """The machine and the library versions of the run."""
         return self._trace.metadata.get("env", {})
 
-    def encoded(self, topic: str, message: Message) -> bytes | None:
-        """Return a message as this trace would hold it: without what its version did not know; None if not at all."""
+    def encoded(self, topic: str, message: Message, held: Collection[bytes] = ()) -> bytes | None:
+        """Return a message as this trace would hold it: without what its version did not know; None if not at all.
+
+        Args:
+            topic: Where it would be.
+            message: What was thought.
+            held: What the trace does hold, as far as it is at hand: whatever is among it, its version did know.
+        """
         if topic not in self._known:
             return None
-        return canonical(self._known[topic].of(message.model_dump(mode="json")))
+        values = message.model_dump(mode="json")
+        written = canonical(values)
+        return written if written in held else canonical(self._known[topic].of(values))
 
     def steps(self) -> Iterator[RecordedStep]:
         """Yield every decision in order."""

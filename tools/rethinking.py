@@ -78,6 +78,7 @@ class Rethinking:
             watch: Measures its parts.
         """
         self._run, self._geometry = run, geometry
+        self._held: frozenset[bytes] = frozenset()  # of the decision at hand
         self._thought: list[tuple[str, bytes]] = []
         self._mind = Mind(given.goal, given.rulebook, given.told, given.limits, geometry, self._emit, watch)
 
@@ -102,7 +103,7 @@ class Rethinking:
 
     def decide(self, recorded: RecordedStep) -> Thought:
         """Take one decision again."""
-        self._thought = []
+        self._held, self._thought = frozenset(message.data for message in recorded.messages), []
         self._geometry.take(recorded.answers)
         turn, failure = None, ""
         try:
@@ -118,7 +119,7 @@ class Rethinking:
             self._mind.update(action, *recorded.met)
 
     def _emit(self, topic: str, message: Message) -> None:
-        data = self._run.encoded(topic, message)
+        data = self._run.encoded(topic, message, self._held)
         if data is not None:
             self._thought.append((topic, data))
 
@@ -143,7 +144,7 @@ class Rethinking:
         if turn.action is not None:
             found += [message for message in recorded.messages if CLASS_OF[message.topic] == INPUT]
         found.append(Recorded("/chain", found[-1].tick, 0, self._link(recorded, found)))
-        if turn.end is not None and (data := self._run.encoded("/run/end", turn.end)) is not None:
+        if turn.end is not None and (data := self._run.encoded("/run/end", turn.end, self._held)) is not None:
             found.append(Recorded("/run/end", tick, 0, data))
         return found
 
