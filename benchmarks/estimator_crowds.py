@@ -161,7 +161,7 @@ def _why_off(runs: dict[str, list[Endured]]) -> Iterator[str]:
 
 
 def _left(runs: Sequence[Endured]) -> tuple[int, int, int]:
-    """Return how many ghosts are left at the end, of how many of them no calm look could show a thing, and lost cans."""
+    """Return how many ghosts are left, how many of these no calm look could show, and how many cans are lost."""
     ghosts = sum(int(run.strays[-1]) for run in runs)
     return ghosts, sum(run.untested for run in runs), sum(run.lost for run in runs)
 

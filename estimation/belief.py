@@ -264,7 +264,7 @@ class Belief:
             regions=self._regions.messages(),
             identity=self.identity_changes(),
             keys=joint.names,
-            joint_covariance=tuple(float(v) + 0.0 for v in joint.covariance[np.triu_indices(len(joint.covariance))]),
+            joint_covariance=tuple((joint.covariance[np.triu_indices(len(joint.covariance))] + 0.0).tolist()),
         )
 
     def _object(self, anchor: str, joint: Joint, index: int) -> ObjectBelief:

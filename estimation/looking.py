@@ -19,7 +19,7 @@ from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, flat, symmetric, turned, upper
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import near_arms
-from skolem.estimation.visibility import outline_radius, prob_solid, prob_visible
+from skolem.estimation.visibility import outline_radius, prob_visible_and_solid
 from skolem.traces.messages import Detection, NoiseModel, ObjectType, Observation, Pose2
 
 LIKELY = 0.5  # a new object stands on the table that more likely than not is under it
@@ -249,9 +249,11 @@ class Look:
             return Missed(anchor=expected.anchor, p_reported=0.0)
         if any(self._stands_in(s, expected) for s in sightings):
             return Missed(anchor=expected.anchor, p_reported=self._noise.found)
-        there = (self._image, expected.base_T_object, expected.covariance, track.z, kind, self._config)
-        solid = prob_solid(*there, lambda ends: self._explained(ends, expected.anchor, sightings))
-        p_reported = min(1.0, prob_visible(*there) * self._noise.found)
+        there = (expected.base_T_object, expected.covariance, track.z, kind, self._config)
+        visible, solid = prob_visible_and_solid(
+            self._image, *there, lambda ends: self._explained(ends, expected.anchor, sightings)
+        )
+        p_reported = min(1.0, visible * self._noise.found)
         return Missed(anchor=expected.anchor, p_reported=p_reported, solid=min(1.0, solid))
 
     def _stands_in(self, seen: Sighting, missed: Expected) -> bool:

@@ -76,7 +76,7 @@ def turned(covariance: Matrix, angle: float) -> Matrix:
 
 def upper(covariance: Matrix) -> Upper:
     """Return the upper triangle of a 3x3 matrix, row by row, as plain floats without negative zeros."""
-    a, b, c, d, e, f = (float(v) + 0.0 for v in covariance[np.triu_indices(3)])
+    (a, b, c), (_, d, e), (_, _, f) = (covariance + 0.0).tolist()
     return (a, b, c, d, e, f)
 
 

@@ -4,7 +4,7 @@ The first makes silence evidence against an object, the second says how much: wh
 of which the detector said nothing, it is likelier to have overlooked a thing than where the picture shows the wall.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +39,10 @@ def prob_visible(
         kind: Shape and size.
         config: Reads `seen_share`, `depth_margin_m` and `sight_m`.
     """
-    places = _places(base_T_object, covariance, z)
-    return sum(weight * _is_visible(image, place, kind, config) for place, weight in places) / 36.0
+    return _share(weight for _, weight in _in_sight(image, base_T_object, covariance, z, kind, config))
 
 
-def prob_solid(
+def prob_visible_and_solid(
     image: DepthImage,
     base_T_object: Pose2,
     covariance: Array,
@@ -51,8 +50,8 @@ def prob_solid(
     kind: ObjectType,
     config: EstimatorConfig,
     explained: Callable[[Array], Mask],
-) -> float:
-    """Return P(an object would be in sight, and the image shows something there that nothing else explains).
+) -> tuple[float, float]:
+    """Return P(an object would be in sight), and P(it would be, and the image shows something there of its own).
 
     Args:
         image: This and all but the last argument are those of `prob_visible`, averaged over as there.
@@ -63,18 +62,28 @@ def prob_solid(
         config: As there.
         explained: Tells which readings, given by where they ended, shape (n, 3), base frame, have hit something else.
     """
-    places = _places(base_T_object, covariance, z)
-    solid = sum(
-        weight * (_is_visible(image, place, kind, config) and _is_solid(image, place, kind, config, explained))
-        for place, weight in places
-    )
-    return solid / 36.0
+    places = list(_in_sight(image, base_T_object, covariance, z, kind, config))
+    solid = (weight for place, weight in places if _is_solid(image, place, kind, config, explained))
+    return _share(weight for _, weight in places), _share(solid)
 
 
 def outline_radius(kind: ObjectType) -> float:
     """Return the radius of the smallest upright cylinder around an object on its axis, metres."""
     x, y, _ = kind.size_m
     return x / 2.0 if kind.shape == "cylinder" else 0.5 * float(np.hypot(x, y))
+
+
+def _in_sight(
+    image: DepthImage, base_T_object: Pose2, covariance: Array, z: float, kind: ObjectType, config: EstimatorConfig
+) -> Iterator[tuple[Array, int]]:
+    """Yield the places, with their weights, at which an object would have been reported."""
+    for place, weight in _places(base_T_object, covariance, z):
+        if _is_visible(image, place, kind, config):
+            yield place, weight
+
+
+def _share(weights: Iterable[int]) -> float:
+    return sum(weights) / 36.0
 
 
 def _places(base_T_object: Pose2, covariance: Array, z: float) -> Iterator[tuple[Array, int]]:

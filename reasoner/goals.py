@@ -182,8 +182,9 @@ def _is_geometric(fluent: Term) -> bool:
 
 
 def _skolems(term: Term) -> set[Term]:
-    if not isinstance(term, Compound):
+    if not mentions(term, "sk"):
         return set()
+    assert isinstance(term, Compound)
     return {term} if term.name == "sk" else {s for a in term.args for s in _skolems(a)}
 
 

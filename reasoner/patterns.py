@@ -103,4 +103,6 @@ def _differs(pattern: Term, term: Term, binding: Mapping[Term, Term]) -> bool:
 
 def mentions(term: Term, name: str) -> bool:
     """Return whether a compound of that name occurs in the term."""
-    return isinstance(term, Compound) and (term.name == name or any(mentions(a, name) for a in term.args))
+    if not isinstance(term, Compound) or f"{name}(" not in str(term):  # most terms are settled by their text
+        return False
+    return term.name == name or any(mentions(a, name) for a in term.args)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.depth_image import DepthImage
-from skolem.estimation.visibility import prob_solid, prob_visible
+from skolem.estimation.visibility import prob_visible, prob_visible_and_solid
 from skolem.traces.messages import DepthView, ObjectType, Pose2
 
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.12), graspable=True)
@@ -36,7 +36,7 @@ def visible(
 
 def solid(picture: DepthView, pose: Pose2 = (2.0, 0.0, 0.0), z: float = CAMERA_Z, explained: bool = False) -> float:
     image, config = DepthImage.of(picture), EstimatorConfig()
-    return prob_solid(image, pose, KNOWN, z, CAN, config, lambda ends: np.full(len(ends), explained))
+    return prob_visible_and_solid(image, pose, KNOWN, z, CAN, config, lambda ends: np.full(len(ends), explained))[1]
 
 
 def test_object_before_a_far_wall_would_be_seen() -> None:
