@@ -16,7 +16,7 @@ from skolem.estimation.se2 import symmetric
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.detector import detect
-from skolem.sim.fitting import HEIGHT_SD_M, RESIDUAL_SD_M
+from skolem.sim.likelihood import HEIGHT_SD_PER_M2, OUTLINE_SD_PER_M2
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 
 SCENES = 10  # of each condition
@@ -223,8 +223,8 @@ def _why_not_all(tallies: dict[str, Tally]) -> Iterator[str]:
         )
     if ALIKE in mistaken:
         yield (
-            f"Types that differ by less than the error of a cluster's height, {1e3 * HEIGHT_SD_M:.0f} mm, are not "
-            "surely told apart by one frame; the likelihoods say so."
+            f"Types that differ by no more than the error of a cluster's height, {1e3 * HEIGHT_SD_PER_M2:.2f} mm times "
+            "the squared distance in metres, are not surely told apart by one frame; the likelihoods say so."
         )
 
 
@@ -304,9 +304,9 @@ def _why_unreliable(groups: dict[str, list[tuple[float, bool]]]) -> Iterator[str
         for said, right, n in reliability(claims):
             if abs(right - said) > _margin(said, n):
                 low = (
-                    f"less sure than it could be. The likelihoods allow {1e3 * HEIGHT_SD_M:.0f} mm of error in a "
-                    f"cluster's height and {1e3 * RESIDUAL_SD_M:.0f} mm along its outline; here it is less, or it "
-                    "could not be right as often"
+                    f"less sure than it could be. The likelihoods allow {1e3 * HEIGHT_SD_PER_M2:.2f} mm of error in a "
+                    f"cluster's height and {1e3 * OUTLINE_SD_PER_M2:.2f} mm along its outline, times the squared "
+                    "distance in metres; here it is less, or it could not be right as often"
                 )
                 side = low if right > said else "surer than it should be"
                 yield f"Of {name}, those called {said:.3f} likely are right {right:.3f} of {n} times: {side}."

@@ -5,7 +5,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from skolem.sim.detector import Seen, canonical_order, pose_covariance
-from skolem.sim.fitting import HEIGHT_SD_M, MODEL_SD_M, RESIDUAL_SD_M, UNKNOWN_YAW_SD_RAD
+from skolem.sim.fitting import MODEL_SD_M, UNKNOWN_YAW_SD_RAD
+from skolem.sim.likelihood import likeness
 from skolem.sim.noise import Purpose, stream
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 
@@ -83,18 +84,12 @@ def _false_alarm(
     upright = claimed.shape == "cylinder"
     base_T_object = (x, y, z, 0.0 if upright else float(draws.uniform(-np.pi / 2.0, np.pi / 2.0)))
     fit = np.diag([MODEL_SD_M**2, MODEL_SD_M**2, UNKNOWN_YAW_SD_RAD**2 if upright else MODEL_SD_M**2])
+    distance_m = float(np.linalg.norm(np.array([x, y, z]) - seen.camera_base))
     red, green, blue = (float(value) for value in draws.random(3))
     return Detection(
         base_T_object=base_T_object,
         covariance=pose_covariance(fit, base_T_object, seen.camera_base, noise),
-        type_log_likelihood={name: _likeness(claimed, types[name]) for name in names},
+        type_log_likelihood={name: likeness(claimed, types[name], distance_m) for name in names},
         rgb=(red, green, blue),
         points=int(draws.integers(*FALSE_POINTS)),
     )
-
-
-def _likeness(claimed: ObjectType, kind: ObjectType) -> float:
-    """Return the log-likelihood of a type for a cluster that looks exactly like the claimed type."""
-    height = (claimed.size_m[2] - kind.size_m[2]) / HEIGHT_SD_M
-    width = (claimed.size_m[0] - kind.size_m[0]) / 2.0 / RESIDUAL_SD_M
-    return -0.5 * (height**2 + width**2)

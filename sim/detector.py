@@ -13,6 +13,7 @@ from scipy import ndimage
 
 from skolem.sim.cloud import ROWS, Cloud, focal_px
 from skolem.sim.fitting import Fit, fit_type
+from skolem.sim.likelihood import type_log_likelihood
 from skolem.sim.noise import extrinsic_covariance
 from skolem.sim.supports import Support, find_supports
 from skolem.sim.tables import TableFit, find_tables
@@ -28,7 +29,7 @@ TOP_BAND_M, MAX_HIDDEN = 0.02, 0.3  # a top of which more lies behind something 
 MAX_SPLITS = 2  # a cluster that no type explains is cut at its waist, and so may be its halves: up to four things
 WAIST_BINS = 9  # over the middle half of a cluster
 MAX_OUTSIDE = 0.1  # share of a cluster's points outside the best type's outline
-MIN_LOG_LIKELIHOOD = -5.0  # of the best type: more than 3 sd in height or in residual explain nothing
+MAX_HEIGHT_ERROR_M, MAX_OUTLINE_ERROR_M = 0.025, 0.0125  # of the best type: what is farther off explains nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,8 +186,12 @@ def _detection(cluster: Cloud, support: Support, sought: dict[str, ObjectType], 
     """Return the detection of a cluster, or None if no type explains it."""
     feet, heights = support.foot(cluster.points_base)[:, :2], support.height(cluster.points_base)
     fits = {name: fit_type(feet, heights, cluster.camera_base[:2], kind) for name, kind in sought.items()}
-    best: Fit = max(fits.values(), key=lambda fit: fit.log_likelihood)
-    if best.log_likelihood < MIN_LOG_LIKELIHOOD or best.outside > MAX_OUTSIDE:
+    distance_m = float(np.linalg.norm(cluster.points_base.mean(axis=0) - cluster.camera_base))
+    likelihood = {
+        name: type_log_likelihood(fit.height_error_m, fit.outline_error_m, distance_m) for name, fit in fits.items()
+    }
+    best = fits[max(likelihood, key=likelihood.__getitem__)]
+    if not _explains(best):
         return None
     x, y, theta = (float(value) for value in best.xy_theta)
     base_T_object = (x, y, support.z_at(x, y), theta)
@@ -194,7 +199,13 @@ def _detection(cluster: Cloud, support: Support, sought: dict[str, ObjectType], 
     return Detection(
         base_T_object=base_T_object,
         covariance=pose_covariance(best.covariance, base_T_object, cluster.camera_base, noise),
-        type_log_likelihood={name: fit.log_likelihood for name, fit in fits.items()},
+        type_log_likelihood=likelihood,
         rgb=(red, green, blue),
         points=len(cluster.points_base),
     )
+
+
+def _explains(fit: Fit) -> bool:
+    """Return whether a cluster can be of a type at all: its height, its outline and where its points lie allow it."""
+    off = np.hypot(fit.height_error_m / MAX_HEIGHT_ERROR_M, fit.outline_error_m / MAX_OUTLINE_ERROR_M)
+    return bool(off <= 1.0 and fit.outside <= MAX_OUTSIDE)

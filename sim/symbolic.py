@@ -20,8 +20,9 @@ from skolem.sim.cloud import Frame, misplaced
 from skolem.sim.corridors import HAND_M, pillar, standing_in
 from skolem.sim.detection_noise import worsen
 from skolem.sim.detector import Seen, canonical_order, pose_covariance
-from skolem.sim.fitting import HEIGHT_SD_M, MODEL_SD_M, RESIDUAL_SD_M, UNKNOWN_YAW_SD_RAD
+from skolem.sim.fitting import MODEL_SD_M, UNKNOWN_YAW_SD_RAD
 from skolem.sim.footprints import Footprint, footprint, overhang
+from skolem.sim.likelihood import likeness
 from skolem.sim.noise import Extrinsics, Purpose, extrinsic_error, odometry_error, stream, wrist_error
 from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4, raised, rotation, wrap
 from skolem.sim.supports import Support
@@ -318,7 +319,9 @@ class SymbolicWorld:
             base_T_object=base_T_object,
             covariance=pose_covariance(fit, base_T_object, camera_base, self._noise),
             type_log_likelihood={
-                name: _likeness(solid.type, kind) for name, kind in sorted(self._types.items()) if kind.graspable
+                name: likeness(solid.type, kind, distance)
+                for name, kind in sorted(self._types.items())
+                if kind.graspable
             },
             rgb=colorsys.hsv_to_rgb(h, s, min(1.0, v * self._noise.colour_gain)),
             points=max(1, round(FULL_POINTS / distance**2)),
@@ -335,7 +338,9 @@ class SymbolicWorld:
             base_T_object=base_T_table,
             covariance=pose_covariance(fit, (x, y, z, base_T_table[3]), camera_base, self._noise),
             type_log_likelihood={
-                name: _likeness(solid.type, kind) for name, kind in sorted(self._types.items()) if kind.shape == "table"
+                name: likeness(solid.type, kind, distance)
+                for name, kind in sorted(self._types.items())
+                if kind.shape == "table"
             },
             rgb=colorsys.hsv_to_rgb(h, s, min(1.0, v * self._noise.colour_gain)),
             points=max(1, round(FULL_POINTS / distance**2)),
@@ -365,10 +370,3 @@ def _top(frame: Frame, table: Solid, others: Sequence[Solid]) -> Support:
     points = level @ rotation(theta).T + (x, y, z)
     up = np.array([0.0, 0.0, 1.0])
     return Support(up, z + height, np.zeros((0, 3)), points[points_in_sight(frame, points, others)])
-
-
-def _likeness(seen: ObjectType, kind: ObjectType) -> float:
-    """Return the log-likelihood of a type for something that looks exactly like type `seen`."""
-    height = (seen.size_m[2] - kind.size_m[2]) / HEIGHT_SD_M
-    width = (seen.size_m[0] - kind.size_m[0]) / 2.0 / RESIDUAL_SD_M
-    return -0.5 * (height**2 + width**2)
