@@ -186,4 +186,5 @@ def _arguments(symbol: AST) -> tuple[tuple[int, int], ...]:
 
 
 def _begin(node: AST) -> tuple[int, int]:
-    return node.location.begin.line, node.location.begin.column
+    begin = node.location.begin
+    return begin.line, begin.column

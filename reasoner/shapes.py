@@ -209,15 +209,15 @@ def _bindings(literals: Sequence[Literal], known: Mapping[Signature, set[Atom]])
     found: list[dict[str, Term]] = [{}]
     for literal in literals:
         atoms = known.get(literal.signature, ())
-        extended = []
+        extended: dict[tuple[Term, ...], dict[str, Term]] = {}  # by values: all name the same variables in one order
         for binding in found:
             for atom in atoms:
                 trial: dict[str, Term] | None = binding
                 for pattern, arg in zip(literal.args, atom, strict=True):
                     trial = None if trial is None else _matched(pattern, arg, trial)
-                if trial is not None and trial not in extended:
-                    extended.append(trial)
-        found = extended
+                if trial is not None:
+                    extended.setdefault(tuple(trial.values()), trial)
+        found = list(extended.values())
     return found
 
 

@@ -12,13 +12,14 @@ from recordings import recorded, rewritten, unchanged
 
 from skolem.reasoner.agent import Agent
 from skolem.reasoner.instances import Instance
+from skolem.tools.fingerprint import differences
 from skolem.tools.live import Silence
 from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replaying import Options, Replayed, replay
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.codec import counter_of
-from skolem.traces.diff import Tolerance
+from skolem.traces.diff import Tolerance, tolerance_for
 from skolem.traces.errors import InputError, TraceError
 from skolem.traces.messages import JSON_TOPICS, ActionResult, Decision, Memory, Message, Observation, Plan
 from skolem.traces.reader import Recorded, Trace
@@ -26,6 +27,7 @@ from skolem.traces.reader import Recorded, Trace
 EXACT = Tolerance()
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
 GOLDEN = Path(__file__).parent / "golden"
+OLDER = Path(__file__).parent / "data" / "older.mcap"
 SYMBOLIC = ("sim1_green", "sim1_moved", "sim3_unknown", "occluded", "impossible", "illustrative", "real1_oil")
 COMMAND = "import sys; from skolem.tools.cli import main; sys.exit(main())"
 NOT_FOR_A_REPLAY = (  # each takes a while to import
@@ -57,6 +59,16 @@ def test_a_run_is_thought_again_to_the_last_byte(scenario: str) -> None:
     assert replayed.comparison.tolerated == 0
     expected = decisions_of(path)
     assert replayed.comparison.compared == expected - Counter({"/run/start": 1, "/prior": 1})
+
+
+def test_a_trace_of_an_older_version_is_thought_again_with_the_rules_that_it_brings() -> None:
+    """Its rules name operations by `called/2`, and it knows neither `limits.same_looks` nor what was in vain."""
+    older = RecordedRun(OLDER)
+    assert b"called(S, N)" in older.attachments["rules/regress.lp"]
+    other = differences(older.environment)
+    options = Options(tolerance_for("other machine" if other else "equal machine"))
+    replayed = replay(older, options, Stopwatch())
+    assert (replayed.identical, replayed.ended, replayed.decisions) == (True, True, 8)
 
 
 def test_the_command_starts_with_no_more_than_thinking_takes() -> None:

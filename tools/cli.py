@@ -1,6 +1,7 @@
 """The `skolem` command: which verbs there are, each imported when it is used and not before."""
 
 import difflib
+import gc
 import os
 import signal
 import sys
@@ -52,6 +53,7 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
     ),
 }
 BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
+GARBAGE = 100_000  # objects made before circles of them are looked for: what is imported stays, and is a lot to look at
 
 
 class LazyGroup(TyperGroup):
@@ -120,6 +122,7 @@ def main() -> int:
     """Run the command line and return the exit status."""
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # what others installed has no say, and takes time
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads are slower on small matrices, and not repeatable
+    gc.set_threshold(GARBAGE)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C, the trace is closed
     try:
         status = _run()
