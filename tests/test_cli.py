@@ -247,6 +247,19 @@ def test_ctrl_c_exits_with_130_and_leaves_a_sound_trace(tmp_path: Path, number: 
     assert end.status == "interrupted"
 
 
+def test_ctrl_c_while_an_object_is_taken_down_is_not_lost(tmp_path: Path) -> None:
+    dropped = (
+        "import signal, sys, time; from skolem.sim.symbolic import SymbolicWorld as W; e = W.execute\n"
+        "class Dropped:\n    def __del__(self): signal.raise_signal(signal.SIGINT)\n"
+        "W.execute = lambda world, action: (Dropped() and None, time.sleep(0.1), e(world, action))[2]\n"
+        "from skolem.tools.cli import main; sys.exit(main())"
+    )
+    args = ["run", GREEN, "--world", "symbolic", "-o", str(tmp_path / "a.mcap"), "--json"]
+    done = subprocess.run([sys.executable, "-c", dropped, *args], capture_output=True, text=True)
+    assert (done.returncode, json.loads(done.stdout)["status"]) == (130, "interrupted")
+    assert done.stderr == ""
+
+
 def test_a_reader_that_stops_reading_ends_the_command_quietly() -> None:
     shell = f"{' '.join(map(repr, COMMAND))} scenario schema | head -1"
     done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=True)

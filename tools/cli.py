@@ -53,6 +53,7 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
     ),
 }
 BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
+AGAIN_S = 0.01  # after which a request to end that was lost is made again
 GARBAGE = 100_000  # objects made before circles of them are looked for: what is imported stays, and is a lot to look at
 
 
@@ -124,6 +125,8 @@ def main() -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads are slower on small matrices, and not repeatable
     gc.set_threshold(GARBAGE)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C, the trace is closed
+    signal.signal(signal.SIGALRM, signal.default_int_handler)  # asked before: see _ask_again
+    sys.unraisablehook = _ask_again
     try:
         status = _run()
         sys.stdout.flush()
@@ -131,6 +134,14 @@ def main() -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     return status
+
+
+def _ask_again(lost: "sys.UnraisableHookArgs") -> None:
+    """Ask to end once more if that was lost: Python drops what is raised while an object is taken down."""
+    if issubclass(lost.exc_type, KeyboardInterrupt):
+        signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
+    else:
+        sys.__unraisablehook__(lost)
 
 
 def _run() -> int:
