@@ -2,6 +2,7 @@
 
 import os
 import platform
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -35,6 +36,7 @@ def environment() -> dict[str, str]:
     } | {f"version {name}": _version(name) for name in PACKAGES}
 
 
+@cache  # a library that was loaded stays as it is
 def _version(package: str) -> str:
     try:
         return version(package)

@@ -14,7 +14,7 @@ from typing import IO, TypeVar
 
 from google.protobuf.message import Message as Protobuf
 from mcap.data_stream import ReadDataStream
-from mcap.reader import FOOTER_SIZE, make_reader
+from mcap.reader import FOOTER_SIZE, McapReader, make_reader
 from mcap.records import Channel, Chunk
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE, breakup_chunk
@@ -68,7 +68,13 @@ class Recorded:
 
 
 class Trace:
-    """A complete trace on disk. No file stays open between calls; every iteration starts at the beginning."""
+    """A complete trace on disk. No file stays open between calls; every iteration starts at the beginning.
+
+    Attributes:
+        path: The file.
+        metadata: The run and its environment, by name.
+        attachments: The scenario and the rule files of the run, by name.
+    """
 
     def __init__(self, path: Path) -> None:
         """Open and check a trace.
@@ -80,7 +86,9 @@ class Trace:
         with opened(path) as file:
             _check_whole(path, file)
             reader = make_reader(file)
+            self._summary = _summary_of(reader)
             self.metadata = {record.name: record.metadata for record in reader.iter_metadata()}
+            self.attachments = {record.name: record.data for record in reader.iter_attachments()}
         written = self.metadata.get("run", {}).get("schema_version")
         if written is None:
             raise TraceError(f"{path}: an MCAP file, but not a trace: its metadata names no schema version")
@@ -88,23 +96,10 @@ class Trace:
             raise TraceError(f"{path}: has schema version {written}, known is {SCHEMA_VERSION}; install a newer skolem")
 
     @cached_property
-    def attachments(self) -> dict[str, bytes]:
-        """The scenario and the rule files of the run, by name."""
-        with self.path.open("rb") as file:
-            return {record.name: record.data for record in make_reader(file).iter_attachments()}
-
-    @cached_property
     def schemas(self) -> dict[str, bytes]:
         """The schema of each topic that could have messages: a trace of an older version has fewer, and older ones."""
         channels, schemas = self._summary.channels.values(), self._summary.schemas
         return {channel.topic: schemas[channel.schema_id].data for channel in channels}
-
-    @cached_property
-    def _summary(self) -> Summary:
-        with self.path.open("rb") as file:
-            summary = make_reader(file).get_summary()
-        assert summary is not None, "the checksum of the summary was compared"
-        return summary
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
         """Yield the messages of `topics` (of all, if none is given) in file order.
@@ -162,6 +157,12 @@ def opened(path: Path) -> IO[bytes]:
         raise TraceError(f"{path}: not a trace: it does not begin as an MCAP file")
     file.seek(0)
     return file
+
+
+def _summary_of(reader: McapReader) -> Summary:
+    summary = reader.get_summary()
+    assert summary is not None, "the checksum of the summary was compared"
+    return summary
 
 
 def _check_whole(path: Path, file: IO[bytes]) -> None:
