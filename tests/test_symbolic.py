@@ -1,88 +1,30 @@
 """The world without physics: what actions do to it, what its sensors say, and that its errors are those stated."""
 
 import math
-from collections.abc import Sequence
 from typing import get_args
 
 import numpy as np
 import pytest
+from symbolic_worlds import BODIES, DRIVE, EXACT, TYPES, do, picking, thing, world
 
-from skolem.reasoner.protocols import Activity, Geometry
 from skolem.sim.symbolic import SymbolicWorld
 from skolem.sim.symbolic_arm import CARRY, base_T_tool, reach
-from skolem.sim.symbolic_geometry import SymbolicGeometry
 from skolem.sim.symbolic_view import SIGHT_M, Solid, camera, cast, depth_view, head_towards, in_sight, table_in_sight
 from skolem.sim.truth import TrueBody
 from skolem.traces.messages import (
-    Action,
-    ActionResult,
-    Belief,
     Command,
     Detection,
     Hand,
-    HsvBelief,
     LookAt,
     MoveBase,
-    NoiseModel,
-    ObjectBelief,
-    ObjectType,
-    Observation,
-    Pick,
     Place,
-    Pose4,
-    TrueObject,
     Weigh,
 )
-
-TYPES = {
-    "bottle": ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.2), graspable=True),
-    "carton": ObjectType(shape="box", size_m=(0.06, 0.09, 0.14), graspable=True),
-    "soda": ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True),
-    "table": ObjectType(shape="table", size_m=(0.8, 1.2, 0.68), graspable=False),
-}
-EXACT = NoiseModel(
-    depth_sd_scale=0.0,
-    extrinsics_sd_m=0.0,
-    extrinsics_sd_rad=0.0,
-    found=1.0,
-    false_per_look=0.0,
-    type_right=1.0,
-    colour_gain=1.0,
-    colour_sd_rgb=0.0,
-    odometry_sd_m=0.0,
-    odometry_sd_per_m=0.0,
-    odometry_sd_rad=0.0,
-    odometry_sd_per_rad=0.0,
-    wrist_sd_newton=0.0,
-    wrist_drift_newton=0.0,
-    grasp_sd_m=0.0,
-    grasp_sd_rad=0.0,
-    place_sd_m=0.0,
-    place_sd_rad=0.0,
-)
-BODIES = (
-    TrueBody("table1", "table", (1.3, 0.0, 0.0, 0.0), (0.1, 0.5, 0.6), 30.0),
-    TrueBody("table2", "table", (0.0, -1.6, 0.0, -math.pi / 2), (0.1, 0.5, 0.6), 30.0),
-    TrueBody("green", "soda", (1.05, 0.1, 0.68, 0.3), (0.33, 0.9, 0.8), 0.35),
-    TrueBody("red", "carton", (1.1, -0.3, 0.68, 0.3), (0.99, 0.9, 0.8), 0.5),
-)
-
-
-def world(noise: NoiseModel = EXACT, seed: int = 0, bodies: Sequence[TrueBody] = BODIES) -> SymbolicWorld:
-    return SymbolicWorld(TYPES, bodies, (0.0, 0.0, 0.0), 0.2, noise, seed)
-
-
-def do(there: SymbolicWorld, command: Command, step: int = 0) -> tuple[ActionResult, Observation]:
-    return there.execute(Action(step=step, op="test", args=(), command=command))
 
 
 def seen(there: SymbolicWorld, look: LookAt, step: int = 0) -> list[Detection]:
     """Return what a look reports but the tables."""
     return [d for d in do(there, look, step)[1].detections if "table" not in d.type_log_likelihood]
-
-
-def thing(there: SymbolicWorld, name: str) -> TrueObject:
-    return next(item for item in there.state(0).objects if item.id == name)
 
 
 def looking(x: float, y: float, z: float) -> LookAt:
@@ -92,18 +34,6 @@ def looking(x: float, y: float, z: float) -> LookAt:
 
 
 LOOK = looking(1.05, 0.0, 0.74)
-DRIVE = MoveBase(start_T_waypoint=((0.43, 0.1, 0.0),))  # to where a hand reaches the green can
-
-
-def picking(x: float, y: float, hand: Hand = "right") -> Pick:
-    """Return a pick of a can planned to stand at (x, y) on table1, from where DRIVE ends."""
-    tool: Pose4 = (x - 0.43, y - 0.1, 0.75, 0.0)
-    joints = reach(hand, 0.2, tool)
-    assert joints is not None
-    path = (joints,)
-    return Pick(
-        hand=hand, approach=path, reach=path, lift=path, carry=(CARRY[hand],), tool_T_object=(0.0, 0.0, -0.07, 0.0)
-    )
 
 
 def placing(x: float, y: float, hand: Hand = "right") -> Place:
@@ -358,115 +288,3 @@ def test_equal_seeds_give_equal_worlds_and_other_seeds_others() -> None:
         said = [do(there, command, step) for step, command in enumerate(commands)]
         hashes.append((there.state(3).sha256, said))
     assert hashes[0] == hashes[1] != hashes[2]
-
-
-# ---------------------------------------------------------------- geometry
-
-
-def belief_of(there: SymbolicWorld, held: Pose4 | None = None) -> Belief:
-    """Return a belief that is the truth."""
-    state = there.state(0)
-    return Belief(
-        step=0,
-        version=0,
-        world_T_base=state.world_T_base,
-        base_covariance=(0.0,) * 6,
-        robot=there.robot_state(),
-        anchors=tuple(item.id for item in state.objects),
-        objects={
-            item.id: ObjectBelief(
-                exists=1.0,
-                type={item.type: 1.0},
-                world_T_object=item.world_T_object,
-                covariance=(0.0,) * 6,
-                support=item.on,
-                in_hand=item.in_hand,
-                tool_T_object=held if item.in_hand else None,
-                colour=HsvBelief(mean=item.hsv, variance=(0.1, 0.1, 0.1)),
-                log_weight=(0.0, 1.0),
-            )
-            for item in state.objects
-        },
-        keys=(),
-        joint_covariance=(),
-    )
-
-
-def geometry(there: SymbolicWorld, held: Pose4 | None = None) -> Geometry:
-    answers = SymbolicGeometry(TYPES)
-    answers.sync(belief_of(there, held))
-    return answers
-
-
-@pytest.mark.parametrize("name", ["green", "red"])
-def test_what_geometry_says_can_be_done_works_in_the_world(name: str) -> None:
-    there, pick, place = world(), Activity("pick", name, "right"), Activity("place", name, "right", "table2")
-    assert geometry(there).ready(pick) is None
-    drive = geometry(there).approach(pick)
-    assert drive is not None
-    do(there, drive)
-    grasp = geometry(there).ready(pick)
-    assert isinstance(grasp, Pick)
-    assert do(there, grasp, 1)[0].status == "done"
-    assert geometry(there, grasp.tool_T_object).ready(place) is None
-    drive = geometry(there, grasp.tool_T_object).approach(place)
-    assert drive is not None
-    do(there, drive, 2)
-    release = geometry(there, grasp.tool_T_object).ready(place)
-    assert release is not None
-    assert do(there, release, 3)[0].status == "done"
-    assert thing(there, name).on == "table2"
-
-
-def test_a_look_from_the_answer_sees_its_object() -> None:
-    there = world()
-    look = geometry(there).ready(Activity("look", "red"))
-    assert look is not None
-    assert any(math.dist(d.base_T_object[:2], (1.1, -0.3)) < 1e-6 for d in do(there, look)[1].detections)
-
-
-def test_what_is_too_far_to_look_at_is_approached() -> None:
-    table = TrueBody("table9", "table", (4.0, 0.0, 0.0, 0.0), (0.1, 0.5, 0.6), 30.0)
-    far = (*BODIES, table, TrueBody("blue", "soda", (3.75, 0.0, 0.68, 0.0), (0.6, 0.9, 0.8), 0.35))
-    there, look = world(bodies=far), Activity("look", "blue")
-    assert geometry(there).ready(look) is None
-    drive = geometry(there).approach(look)
-    assert drive is not None
-    do(there, drive)
-    assert geometry(there).ready(look) is not None
-
-
-def test_places_keep_clear_of_what_stands_on_the_table() -> None:
-    crowd = [
-        TrueBody(f"can{i}{j}", "soda", (0.9 + 0.2 * i + 0.1, -0.5 + 0.2 * j, 0.68, 0.0), (0.6, 0.9, 0.8), 0.35)
-        for i in range(4)
-        for j in range(6)
-        if (i, j) != (0, 2)
-    ]
-    there = world(bodies=(*BODIES[:2], *crowd, TrueBody("held", "soda", (0.0, -1.4, 0.68, 0.0), (0.3, 1, 1), 0.3)))
-    drive = geometry(there).approach(Activity("pick", "held", "right"))
-    assert drive is not None
-    do(there, drive)
-    grasp = geometry(there).ready(Activity("pick", "held", "right"))
-    assert isinstance(grasp, Pick)
-    do(there, grasp, 1)
-    drive = geometry(there, grasp.tool_T_object).approach(Activity("place", "held", "right", "table1"))
-    assert drive is not None
-    do(there, drive, 2)
-    release = geometry(there, grasp.tool_T_object).ready(Activity("place", "held", "right", "table1"))
-    assert release is not None
-    do(there, release, 3)
-    nearest = min(
-        math.dist(thing(there, can.id).world_T_object[:2], thing(there, "held").world_T_object[:2]) for can in crowd
-    )
-    assert nearest > 0.066 + 0.05
-
-
-def test_an_object_in_the_hand_is_neither_looked_at_nor_picked() -> None:
-    there = world()
-    do(there, DRIVE)
-    do(there, picking(1.05, 0.1), 1)
-    for activity in (Activity("look", "green"), Activity("pick", "green", "left")):
-        assert geometry(there).ready(activity) is None
-        assert geometry(there).approach(activity) is None
-    assert geometry(there).ready(Activity("weigh", "green", "right")) == Weigh(hand="right")

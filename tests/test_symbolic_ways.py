@@ -4,7 +4,7 @@ import dataclasses
 import math
 
 import pytest
-from test_symbolic import BODIES, DRIVE, TYPES, belief_of, do, geometry, picking, thing, world
+from symbolic_worlds import BODIES, DRIVE, TYPES, belief_of, do, geometry, picking, thing, world
 
 from skolem.reasoner.protocols import Activity
 from skolem.sim.activities import is_other_side
