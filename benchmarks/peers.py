@@ -21,7 +21,7 @@ from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 
 SIZES = (3, 10, 30, 100, 300)
-LIMIT_S = 25  # per call of a peer, wall time; most of what they take together is waiting for it
+LIMIT_S = 22  # per call of a peer, wall time; most of what they take together is waiting for it
 REPEATS = 3
 _PLAN = re.compile(r"^(?:\[.*\] )?Plan cost: (\d+)", re.MULTILINE)
 _CHOICE = re.compile(r"\((examine|find) ([^\s()]+)(?: ([^\s()]+))?")
