@@ -53,6 +53,13 @@ def rewrite(source: Trace, path: Path) -> None:
             writer.write(recorded.topic, recorded.message, recorded.tick)
 
 
+def test_the_last_message_of_a_topic_is_found_from_the_end(trace: Path) -> None:
+    every = list(Trace(trace).messages())
+    for topic in {recorded.topic for recorded in every}:
+        assert Trace(trace).last(topic) == [recorded for recorded in every if recorded.topic == topic][-1]
+    assert Trace(trace).last("/camera/rgb") is None
+
+
 @settings(max_examples=30)
 @given(written)
 def test_any_messages_come_back_equal_and_write_the_same_bytes(

@@ -155,9 +155,8 @@ class RecordedRun:
 
     def wall_seconds(self) -> float | None:
         """Return how long the run took; None if its wall times were not recorded."""
-        last = None
-        for message in self._trace.messages("/perf"):
-            last = message.message
+        recorded = self._trace.last("/perf")
+        last = None if recorded is None else recorded.message
         return last.milliseconds["total"] / 1e3 if isinstance(last, Perf) else None
 
     def _groups(self) -> Iterator[list[Recorded]]:

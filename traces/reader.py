@@ -116,6 +116,11 @@ class Trace:
             count[counter] += 1
             yield recorded
 
+    def last(self, topic: str) -> Recorded | None:
+        """Return the last message of a topic, found from the end of the file; None if there is none."""
+        found = next(_indexed(self.path, self._summary, (topic,), backwards=True), None)
+        return None if found is None else _recorded(self.path, *found)
+
     def of(self, model: type[M]) -> Iterator[M]:
         """Yield the messages of one type, decoded, in file order: `trace.of(Belief)`."""
         for recorded in self.messages(*(topic for topic, (known, _) in JSON_TOPICS.items() if known is model)):
@@ -194,18 +199,21 @@ def _crc(file: IO[bytes], start: int, end: int) -> int:
     return crc
 
 
-def _indexed(path: Path, summary: Summary, topics: tuple[str, ...]) -> Iterator[tuple[Channel, McapMessage]]:
+def _indexed(
+    path: Path, summary: Summary, topics: tuple[str, ...], backwards: bool = False
+) -> Iterator[tuple[Channel, McapMessage]]:
     """Yield the messages of `topics` (of all, if none is given) in file order, one chunk in memory at a time.
 
     The container library's own iteration in file order takes every chunk into memory before the first message.
     """
     wanted = {number for number, channel in summary.channels.items() if not topics or channel.topic in topics}
     with path.open("rb") as file:
-        for index in sorted(summary.chunk_indexes, key=lambda index: index.chunk_start_offset):
+        for index in sorted(summary.chunk_indexes, key=lambda index: index.chunk_start_offset, reverse=backwards):
             if wanted.isdisjoint(index.message_index_offsets):
                 continue
             file.seek(index.chunk_start_offset + 1 + 8)
-            for record in breakup_chunk(Chunk.read(ReadDataStream(file)), validate_crc=True):
+            records = breakup_chunk(Chunk.read(ReadDataStream(file)), validate_crc=True)
+            for record in reversed(records) if backwards else records:
                 if isinstance(record, McapMessage) and record.channel_id in wanted:
                     yield summary.channels[record.channel_id], record
 
