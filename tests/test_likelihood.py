@@ -3,7 +3,7 @@ import math
 import pytest
 from tabletop import TYPES
 
-from skolem.sim.likelihood import MIXED, likeness, type_log_likelihood
+from skolem.sim.likelihood import MIXED, OUTLINE_SD_PER_M2, likeness, type_log_likelihood
 
 FAR_M, NEAR_M = 2.0, 1.0
 SOUND_M = 0.0005  # an error that depth noise explains
@@ -38,6 +38,13 @@ def test_three_millimetres_of_height_tell_types_apart_at_arms_length() -> None:
 def test_a_cluster_whose_outline_is_of_no_single_thing_says_little_of_the_type() -> None:
     looks_right, looks_wrong = type_log_likelihood(0.0, 0.009, NEAR_M), type_log_likelihood(0.05, 0.011, NEAR_M)
     assert 0.0 < looks_right - looks_wrong < math.log(2.0)
+
+
+def test_an_outline_that_is_six_sds_off_takes_the_word_from_the_height() -> None:
+    """One cluster in a hundred is not one thing: that explains such an outline better than one thing's errors do."""
+    outline_m = 6.5 * OUTLINE_SD_PER_M2
+    right, wrong = type_log_likelihood(0.0, outline_m, NEAR_M), type_log_likelihood(0.003, outline_m, NEAR_M)
+    assert 0.0 < right - wrong < math.log(2.0)
 
 
 def test_no_type_is_ruled_out_beyond_what_a_mixed_cluster_allows() -> None:
