@@ -245,7 +245,7 @@ def transitions_of(client: Client) -> Transitions:
 
 
 def stopped_at_work(client: Client, workers: dict[str, subprocess.Popen[str]]) -> tuple[str, str]:
-    """Stop a worker in the middle of a run; return its name and the run.
+    """Stop a worker in the middle of a run, with no result left to fetch from it; return its name and the run.
 
     What a worker said before it was stopped is given time to arrive: if it was of the end of the run, the worker goes
     on and another moment is waited for.
@@ -255,8 +255,8 @@ def stopped_at_work(client: Client, workers: dict[str, subprocess.Popen[str]]) -
         workers[name].send_signal(signal.SIGSTOP)
         time.sleep(0.2)
         at_work = {info["name"]: address for address, info in client.scheduler_info(n_workers=-1)["workers"].items()}
-        runs = client.processing()[at_work[name]]
-        if runs:
+        runs, results = client.processing()[at_work[name]], client.has_what()[at_work[name]]
+        if runs and not results:
             return name, str(runs[0])
         workers[name].send_signal(signal.SIGCONT)
         time.sleep(0.05)
