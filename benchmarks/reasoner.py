@@ -28,7 +28,7 @@ MOST = 5000
 SERIES = ((5, (5, MOST)), (8, (8, 50, 500, MOST)))  # objects that the subgoal is about; objects known
 OPEN_FLUENTS = 16
 CANDIDATES = 8
-ROUNDS, REPEATS, PAUSE_S = 10, 3, 2.0  # over a while: other work on the machine makes all of a second slower
+ROUNDS, REPEATS, PAUSE_S = 10, 3, 2.0  # over a while: times of one second can all be longer than those of another
 LEAST_STATEMENTS = 150
 STEP_MS, GROWTH, CALLS = 5.0, 1.5, 30
 FIRST_S = {3: 0.10, 10: 0.10, 30: 0.20, 100: 1.0, 300: 2.0, 3000: 10.0}
@@ -103,8 +103,8 @@ def step(rulebook: Rulebook) -> Table:
         "One regression step",
         f"CPU time of asking what the rules offer for the {OPEN_FLUENTS} open fluents of a subgoal, under {statements} "
         f"rule statements: the fastest of {ROUNDS * REPEATS}, taken over half a minute in all beliefs in turn, since "
-        "what shares a processor with it, caches above all, makes it up to twice as slow for seconds; in brackets the "
-        "median. Warm: the belief has been asked before. First: the belief is new, and all that has been asked of it "
+        "the same step can take up to twice as long a minute later; in brackets the median, which no target is about. "
+        "Warm: the belief has been asked before. First: the belief is new, and all that has been asked of it "
         "is whom the description of the goal denotes (that is part of the next table). Growth is over the first belief "
         "with the same subgoal. Of the rules only those that can fire are loaded, and all open fluents are asked about "
         "in one call; beside it, how many times as long as the warm step it takes to ask about each alone, of all "
