@@ -27,6 +27,7 @@ ERRORS = {
     CLEAN: Gross(0.0, 0.0),
     BOTH: Gross(0.1, 0.1),
     LEFT_OUT: Gross(0.1, 0.1, left_out=True),
+    "both, not looked through": Gross(0.1, 0.1, looked_through=False),
     "both, outliers not counted": Gross(0.1, 0.1, counted=False),
     "both, outliers from 8 cm": Gross(0.1, 0.1, MODERATE_M),
 }
@@ -80,10 +81,12 @@ def robustness() -> Table:
         "the end. 'Both': one detection in ten is an outlier, and a tenth as many as there are cans are of nothing. "
         "Outliers are 15 to 50 cm off on each axis; they and false detections are in view, on the table. The "
         "noise model counts an outlier as a can not found and a detection of nothing, as a calibration of the detector "
-        f"would, except where it says so. '{LEFT_OUT}': the same draws, but somebody leaves the gross detections out, "
-        "so what is lost there is lost to anyone. RMSE is of the places of listed cans relative to the base, in mm and "
-        "as a multiple of the clean run's, after the last look and over all looks, the first included. Unlisted: "
-        "cans that no listed anchor is of, mean over all looks; strays: listed anchors of nothing, in a hundred looks. "
+        "would, except where it says so. The pictures show the cans, and nothing where an outlier or a false detection "
+        f"is; 'not looked through': the robot does not mind. '{LEFT_OUT}': the same draws, but somebody leaves the "
+        "gross detections out, so what is lost there is lost to anyone. RMSE is of the places of listed cans relative "
+        "to the base, in mm and as a multiple of the clean run's, after the last look and over all looks, the first "
+        "included. Unlisted: cans that no listed anchor is of, mean over all looks; strays: listed anchors of nothing, "
+        "in a hundred looks. "
         "Ghosts (strays), duplicates, lost and renamed cans are counted at the end, over all runs.",
         (
             "errors",
@@ -154,9 +157,9 @@ def _why_off(runs: dict[str, list[Endured]]) -> Iterator[str]:
     if both > max(MOST_TIMES * clean, known):
         yield (
             f"Of what is beyond that on the way, {100.0 * rest[:EARLY].sum() / rest.sum():.0f} % is in looks 1 to "
-            f"{EARLY}. Before a can was seen, nothing tells it from an outlier or a false detection near the place "
-            "that was told: if it is not reported in the same look, that detection is the likelier explanation. The "
-            "can then goes on under a new name, and the wrong place is given up after a few looks."
+            f"{EARLY}. Before a can was seen, only the picture tells it from an outlier or a false detection near the "
+            "place that was told: if it is not reported in the same look, that detection is the likelier "
+            "explanation. The can then goes on under a new name, and the wrong place is given up after a few looks."
         )
 
 

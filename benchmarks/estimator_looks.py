@@ -118,6 +118,7 @@ class Gross:
         off_m: How far off outliers are, each axis, least and most.
         counted: Whether the robot's noise model counts outliers, as a calibration would: each is a can that was not
             found, and a detection of nothing. False detections it always knows of.
+        looked_through: Whether the robot minds that its picture shows what is behind a detection.
         left_out: Whether somebody takes the gross errors out: then it shows what could be known at all.
     """
 
@@ -125,6 +126,7 @@ class Gross:
     false: float
     off_m: tuple[float, float] = GROSS_M
     counted: bool = True
+    looked_through: bool = True
     left_out: bool = False
 
     def noise(self, cans: int) -> NoiseModel:
@@ -175,7 +177,9 @@ def endured(seed: int, cans: int, looks: int, calm: int, gross: Gross) -> Endure
     told: dict[str, Pose2] = {
         f"can{i}": (0.75 + 0.15 * (i % 2), 0.17 * (i - (cans - 1) / 2.0), 0.0) for i in range(cans)
     }
-    belief, base = Belief(prior(told, 0.03, (0.01, 0.01, 0.01), gross.noise(cans))), exp(draws.normal(size=3) * 0.01)
+    config = EstimatorConfig() if gross.looked_through else EstimatorConfig(refuted=1.0)
+    belief = Belief(prior(told, 0.03, (0.01, 0.01, 0.01), gross.noise(cans)), config)
+    base = exp(draws.normal(size=3) * 0.01)
     true = {name: moved(pose, draws, 0.03) for name, pose in told.items()}
     here = {name: between(base, pose) for name, pose in true.items()}
     off, strays = [], []

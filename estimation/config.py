@@ -28,6 +28,8 @@ class EstimatorConfig:
         hit_sds: Added to it, times the sd that the camera's calibration error gives a place.
         arm_m: A reading this near the axis of an arm has hit the arm, or what is in its hand.
         least_hits: Fewer readings in a region than this are errors at edges.
+        refuted: How many times likelier a detection is of nothing than of an object if the picture shows what is behind
+            its place; otherwise it may just not show that.
         other_solid: P(something that nothing explains stands where an object is believed to be | it does not exist).
         other_solids: Expected number of solids above a support that are of no type that is looked for: what was hit in
             a region is one of them, or one of the objects that were told to be expected there.
@@ -79,6 +81,7 @@ class EstimatorConfig:
     hit_sds: float = 2.5
     arm_m: float = 0.2
     least_hits: int = 4
+    refuted: float = 100.0
     other_solid: float = 0.1
     other_solids: float = 0.05
     unseen_points: int = 64

@@ -19,7 +19,7 @@ from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, flat, symmetric, turned, upper
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import near_arms
-from skolem.estimation.visibility import outline_radius, prob_visible_and_solid
+from skolem.estimation.visibility import outline_radius, prob_visible_and_solid, shows_behind
 from skolem.traces.messages import Detection, NoiseModel, ObjectType, Observation, Pose2
 
 LIKELY = 0.5  # a new object stands on the table that more likely than not is under it
@@ -131,9 +131,15 @@ class Look:
         if self._table(detection):
             rate, kinds = self._config.new_tables_per_look, sum(kind.shape == "table" for kind in types)
         else:
-            rate = self._noise.false_per_look + self._config.new_per_look
+            rate = self._false_per_look(detection) + self._config.new_per_look
             kinds = sum(kind.graspable for kind in types)
         return math.log(rate / (self._config.view_area_m2 * math.tau * kinds))
+
+    def _false_per_look(self, detection: Detection) -> float:
+        """Return the expected number of detections of nothing per look, as far as this one's place looks like one."""
+        there = (detection.base_T_object, self._seen_as(detection), self._config)
+        refuted = self._image is not None and shows_behind(self._image, *there)
+        return self._noise.false_per_look * (self._config.refuted if refuted else 1.0)
 
     def _assigned(self, scores: Array, matches: list[list[Match]], unmatched: Array) -> tuple[int | None, ...]:
         """Return which detection is of which anchor: jointly where one could be of several, as it then matters."""
@@ -201,7 +207,7 @@ class Look:
 
     def _odds_of_real(self, detection: Detection, support: str | None) -> float:
         """Return how many times likelier a detection that is of no anchor is of a new object than of nothing."""
-        new, false = self._config.new_per_look, self._noise.false_per_look
+        new, false = self._config.new_per_look, self._false_per_look(detection)
         if support is not None:
             support_T_object = between(self._graph.mean(BASE, support), flat(detection.base_T_object))
             new += self._regions.unmet_per_m2(support, support_T_object) * self._config.view_area_m2

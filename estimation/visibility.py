@@ -2,6 +2,7 @@
 
 The first makes silence evidence against an object, the second says how much: where the picture shows something solid
 of which the detector said nothing, it is likelier to have overlooked a thing than where the picture shows the wall.
+And where it shows the wall behind the place of a report, the report is likelier of nothing.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.se2 import turned
-from skolem.traces.messages import ObjectType, Pose2
+from skolem.traces.messages import ObjectType, Pose2, Pose4
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -65,6 +66,22 @@ def prob_visible_and_solid(
     places = list(_in_sight(image, base_T_object, covariance, z, kind, config))
     solid = (weight for place, weight in places if _is_solid(image, place, kind, config, explained))
     return _share(weight for _, weight in places), _share(solid)
+
+
+def shows_behind(image: DepthImage, base_T_object: Pose4, kind: ObjectType, config: EstimatorConfig) -> bool:
+    """Return whether the readings towards an upright object, its foot aside, go on behind its axis: it is not there.
+
+    Args:
+        image: The picture.
+        base_T_object: Where the object would stand; its base.
+        kind: Shape and size.
+        config: Reads `seen_share` and `depth_margin_m`.
+    """
+    place, margin = np.array(base_T_object[:3]), config.depth_margin_m
+    points = _outline(place, image.origin[:2], outline_radius(kind), kind.size_m[2])
+    forward, depth = image.read(points[points[:, 2] >= place[2] + margin])
+    behind = depth > forward + margin
+    return bool(behind.sum() >= max(1.0, config.seen_share * len(behind)))
 
 
 def outline_radius(kind: ObjectType) -> float:

@@ -26,6 +26,7 @@ from skolem.estimation.fluents import covariance_within
 from skolem.estimation.se2 import between, compose, exp, inverse, log, symmetric
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.messages import (
+    DepthView,
     TypeIs,
 )
 
@@ -182,7 +183,7 @@ def test_looks_leave_the_error_of_the_camera_common_to_all_they_see() -> None:
 def test_observation_covariance_is_what_a_look_from_the_typical_distance_leaves() -> None:
     robot = Robot(prior(cans={"can": (0.9, 0.0, 0.0)}, sd_m=1.0, base_sd=1e-4))
     expected = robot.belief.observation_covariance("pose", "can")
-    robot.look([detection((0.9, 0.0, 0.0))], depth_view())
+    robot.look([detection((0.9, 0.0, 0.0))], depth_view([(0.9, 0.0, 0.0)]))
     got = robot.belief.gaussian("pose", "can").covariance
     assert np.sqrt(np.diag(got))[:2] == pytest.approx(np.sqrt(np.diag(expected))[:2], rel=0.15)
     assert np.linalg.eigvalsh(expected)[0] > 0.0
@@ -236,6 +237,17 @@ def test_false_detections_vanish_and_their_names_are_not_used_again() -> None:
     assert robot.belief.anchors() == ("table1",)
     assert [robot.belief.prob_exists(f"_o{i}_") < 0.06 for i in (1, 2, 3)] == [True] * 3
     assert robot.belief.prob_exists("_o4_") == 0.0
+
+
+@pytest.mark.parametrize(("picture", "moved"), [(None, True), (depth_view([(0.86, 0.0, 0.0)]), False)])
+def test_detection_over_what_the_picture_shows_bare_is_of_no_told_object(
+    picture: DepthView | None, moved: bool
+) -> None:
+    robot = Robot(prior(cans={"can": (0.9, 0.0, 0.0)}, sd_m=0.03))
+    robot.look([detection((0.9, 0.11, 0.0))], picture)
+    assert (pose_of(robot, "can")[1] > 0.03) is moved
+    assert (robot.belief.prob_exists("_o1_") > 0.0) is not moved
+    assert robot.belief.anchors() == ("table1", "can")
 
 
 def test_names_of_told_objects_are_not_given_again() -> None:

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.depth_image import DepthImage
-from skolem.estimation.visibility import prob_visible, prob_visible_and_solid
-from skolem.traces.messages import DepthView, ObjectType, Pose2
+from skolem.estimation.visibility import prob_visible, prob_visible_and_solid, shows_behind
+from skolem.traces.messages import DepthView, ObjectType, Pose2, Pose4
 
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.12), graspable=True)
 ROWS, COLUMNS, FOVY = 60, 80, 0.796
@@ -125,3 +125,26 @@ def test_surface_under_an_object_is_not_the_object() -> None:
     floor = np.where(down > 0.15, height / np.maximum(down, 1e-3), 4.0)
     assert visible(view(floor), (1.6, 0.0, 0.0), z=FLOOR) == 1.0
     assert solid(view(floor), (1.6, 0.0, 0.0), z=FLOOR) == 0.0
+
+
+def refuted(picture: DepthView, pose: Pose4 = (2.0, 0.0, CAMERA_Z, 0.0), kind: ObjectType = CAN) -> bool:
+    return shows_behind(DepthImage.of(picture), pose, kind, EstimatorConfig())
+
+
+def test_picture_of_what_is_behind_a_place_shows_that_nothing_stands_there() -> None:
+    assert refuted(view(4.0))
+    assert not refuted(view(2.0 - 0.033))
+    assert not refuted(view(1.5))
+
+
+def test_picture_that_does_not_reach_a_place_shows_nothing_of_it() -> None:
+    assert not refuted(view(0.0))
+    assert not refuted(view(4.0), (2.0, 1.5, CAMERA_Z, 0.0))
+
+
+def test_picture_of_a_surface_shows_what_is_not_on_it_but_for_flat_things() -> None:
+    down = (np.arange(ROWS) + 1 - ROWS / 2)[:, None] / FOCAL * np.ones(COLUMNS)
+    floor = np.where(down > 0.15, (CAMERA_Z - FLOOR) / np.maximum(down, 1e-3), 4.0)
+    flat = CAN.model_copy(update={"size_m": (0.066, 0.066, 0.03)})
+    assert refuted(view(floor), (1.6, 0.0, FLOOR, 0.0))
+    assert not refuted(view(floor), (1.6, 0.0, FLOOR, 0.0), flat)
