@@ -43,6 +43,9 @@ def replay(
         float | None, typer.Option(min=0.0, help="Relative tolerance of floats, instead of the table's.")
     ] = None,
     all_: Annotated[bool, typer.Option("--all", help="Print every divergence, not the first alone.")] = False,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes that share the traces; default: as many as pay.")
+    ] = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object per trace on standard output, and only that.")
     ] = False,
@@ -64,4 +67,4 @@ def replay(
         rules=rules,
         overrides=tuple(set_ or ()),
     )
-    raise typer.Exit(replay_reports.execute(traces, wanted, json))
+    raise typer.Exit(replay_reports.execute(traces, wanted, workers, json))

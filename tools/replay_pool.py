@@ -1,0 +1,46 @@
+"""Many traces replayed at a time, in processes of this machine; their reports come in the order of the traces."""
+
+import gc
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+from pathlib import Path
+
+from skolem.tools.children import end_with_parent
+from skolem.tools.replay_reports import Report, Wanted
+from skolem.tools.replayer import Replayer
+from skolem.traces.errors import InternalError
+
+_replayers: list[Replayer] = []  # of this process, if it is a worker
+
+
+def reports(traces: Sequence[Path], wanted: Wanted, workers: int) -> Iterator[Report]:
+    """Yield what came of each trace.
+
+    Args:
+        traces: Of runs.
+        wanted: What to do to each; sound.
+        workers: Processes that share them.
+
+    Raises:
+        InternalError: If a process dies.
+    """
+    try:
+        with ProcessPoolExecutor(workers, get_context("spawn"), _begin, (wanted, gc.get_threshold())) as pool:
+            yield from pool.map(_report, traces)
+    except BrokenProcessPool as error:
+        raise InternalError("a process died while it replayed; --workers 1 tells over which trace") from error
+
+
+def _begin(wanted: Wanted, garbage: tuple[int, int, int]) -> None:
+    """Make this process a worker; Ctrl-C is for the process that started it."""
+    end_with_parent()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    gc.set_threshold(*garbage)
+    _replayers.append(Replayer(wanted))
+
+
+def _report(path: Path) -> Report:
+    return _replayers[0].told(path)
