@@ -17,6 +17,7 @@ from skolem.tools import cli
 from skolem.tools.running import unused
 from skolem.traces.messages import RunEnd
 from skolem.traces.reader import Trace
+from skolem.traces.writer import partial_of
 
 ROOT = Path(__file__).parent.parent
 GREEN = str(ROOT / "scenarios" / "sim1_green.yaml")
@@ -261,9 +262,11 @@ def test_ctrl_c_while_an_object_is_taken_down_is_not_lost(tmp_path: Path) -> Non
 
 
 def test_a_reader_that_stops_reading_ends_the_command_quietly() -> None:
-    shell = f"{' '.join(map(repr, COMMAND))} scenario schema | head -1"
-    done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=True)
-    assert (done.stdout, done.stderr) == ("{\n", "")
+    golden = Path(__file__).parent / "golden"
+    for verb in ("scenario schema", f"show {golden / 'sim1_green.mcap'}", f"check {golden / 'sim1_green.mcap'}"):
+        shell = f"{' '.join(map(repr, COMMAND))} {verb} | true; exit ${{PIPESTATUS[0]}}"
+        done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True)
+        assert (done.stdout, done.stderr, done.returncode) == ("", "", 141)
 
 
 def test_on_a_terminal_the_run_is_shown_live(tmp_path: Path) -> None:
@@ -289,9 +292,38 @@ def blocks_of(reader: int) -> Iterator[bytes]:
     os.close(reader)
 
 
-def test_default_names_do_not_replace_earlier_traces(tmp_path: Path) -> None:
+def test_default_names_do_not_replace_earlier_traces_nor_what_is_left_of_killed_runs(tmp_path: Path) -> None:
     path = tmp_path / "sim1-7.mcap"
-    for expected in ("sim1-7.mcap", "sim1-7.2.mcap", "sim1-7.3.mcap"):
+    for expected in ("sim1-7.mcap", "sim1-7.2.mcap", "sim1-7.3.mcap", "sim1-7.4.mcap"):
         free = unused(path)
         assert free.name == expected
-        free.touch()
+        (free if "2" in expected else partial_of(free)).touch()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["run", GREEN, "--world", "symbolic", "-o", "."],
+        ["rules", "doc", "-o", "."],
+        ["sweep", GREEN, "--world", "symbolic", "-o", "file"],
+        ["sweep", GREEN, "--world", "symbolic", "-o", "out", "--write", "."],
+        ["reproduce", "file", "--keep", "file"],
+    ],
+)
+def test_what_cannot_be_written_is_said_before_anything_runs(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("worth something")
+    assert called(monkeypatch, *command) == 2
+    out, err = capsys.readouterr()
+    assert (out, len(err.splitlines())) == ("", 1)
+    assert (tmp_path / "file").read_text() == "worth something"
+    assert {path.name for path in tmp_path.iterdir()} <= {"file", "out"}
+
+
+def test_a_trace_that_cannot_be_searched_is_refused() -> None:
+    piped = [*COMMAND, "check", "/dev/stdin"]
+    done = subprocess.run(piped, input=b"some bytes that are no trace", capture_output=True)
+    assert done.returncode == 3
+    assert b"Traceback" not in done.stderr

@@ -204,6 +204,23 @@ def test_what_is_kept_of_a_trace_has_the_same_decision_hash(tmp_path: Path, reco
     assert [m.topic for m in lean.messages() if counter_of(m.topic) != "decision"] == []
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["my run", "--scenario", "a.yaml", "--why", "w"],
+        ["../out", "--scenario", "a.yaml", "--why", "w"],
+        ["sim1_green", "--seed", "5"],
+        ["--all", "--scenario", "a.yaml", "--why", "w"],
+    ],
+)
+def test_names_that_a_manifest_cannot_hold_and_flags_without_effect_are_refused(
+    arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["skolem", "trace", "bless", *arguments, "--reason", "r", "--folder", str(FOLDER)])
+    assert cli.main() == 2
+    assert arguments[0] in capsys.readouterr().err or arguments[1] == "--seed"
+
+
 def test_the_manifest_is_read_as_it_was_written(tmp_path: Path) -> None:
     odd = Golden(scenario="a.yaml", seed=3, world="symbolic", overrides=("a.b='x \"y\"'",), why="ä\n#")
     write_manifest(tmp_path, {"b": odd, "a": odd})

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from mcap.records import Chunk
+from recordings import recorded
 
 from skolem.tools import cli
 from skolem.traces.check import check
@@ -148,6 +149,34 @@ def test_a_file_that_is_there_already_is_never_replaced(
     assert f"{trace}: exists and is not replaced; give another name" in capsys.readouterr().err
     assert trace.read_bytes() == before
     assert check(trace).sound
+
+
+def test_what_an_earlier_copy_has_left_is_never_written_over(trace: Path, tmp_path: Path) -> None:
+    left = trace.rename(tmp_path / "good.mcap.copying")
+    before = left.read_bytes()
+    with pytest.raises(InputError, match=r"good\.mcap\.copying: exists"):
+        recover(left, tmp_path / "good.mcap")
+    assert left.read_bytes() == before
+    assert recover(left, tmp_path / "other.mcap").messages == 50
+
+
+def test_of_a_trace_with_a_gap_is_shown_what_there_is_and_nothing_is_thought_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sound = recorded("sim1_green").read_bytes()
+    chunks = [i for i in range(len(sound)) if sound.startswith(b"zstd", i)]
+    for number, shown in ((0, "goal: unknown"), (3, "goal: exists o.")):
+        damaged = bytearray(sound)
+        damaged[chunks[number] + 50] ^= 1
+        bad, good = tmp_path / f"{number}.bad", tmp_path / f"{number}.mcap"
+        bad.write_bytes(damaged)
+        recover(bad, good)
+        for verb, status, said in (("show", 0, shown), ("replay", 3, ""), ("explain", 3, "")):
+            monkeypatch.setattr(sys, "argv", ["skolem", verb, str(good)])
+            assert (number, verb, cli.main()) == (number, verb, status)
+            out, err = capsys.readouterr()
+            assert said in out
+            assert status == 0 or "is missing" in err or "nothing to replay" in err
 
 
 def test_a_place_that_cannot_be_written_is_named(trace: Path, tmp_path: Path) -> None:

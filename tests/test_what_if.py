@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from recordings import recorded
+from recordings import recorded, rewritten, unchanged
 
 from skolem.tools.cli import main
 from skolem.tools.other_minds import Changes, changes_of, given_with
@@ -15,6 +15,8 @@ from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.stopwatch import Stopwatch
 from skolem.tools.what_if import Foreseen, foresee
 from skolem.traces.errors import InputError
+from skolem.traces.messages import Action, Message
+from skolem.traces.reader import Recorded
 
 RULES = Path(__file__).parent.parent / "rules"
 
@@ -133,6 +135,27 @@ def test_a_limit_is_a_change_of_the_end() -> None:
     assert found.stopped
 
 
+@pytest.mark.parametrize("flags", [(), ("limits.steps=80",)])
+def test_other_sizes_of_things_are_what_the_robot_is_told_whatever_else_changes(flags: tuple[str, ...]) -> None:
+    old, new, text = "cylinder(soda, 66, 66, 115)", "cylinder(soda, 90, 90, 180)", (RULES / "vocabulary.lp").read_text()
+    assert old in text
+    assert what_if("sim1_green", *flags, rules={"vocabulary.lp": text.replace(old, new).encode()}).altered
+
+
+def test_a_run_that_was_interrupted_while_it_thought_changes_nothing_there(tmp_path: Path) -> None:
+    going = [True]
+
+    def up_to_an_act(message: Recorded) -> list[Message]:
+        found = unchanged(message)
+        going[0] = going[0] and not (isinstance(found, Action) and found.step == 3)
+        return [found] if going[0] else []
+
+    run = RecordedRun(rewritten(recorded("sim1_green"), tmp_path / "t.mcap", up_to_an_act))
+    found = foresee(run, given_with(run, changes_of({}, ["limits.steps=80"]), Rulebooks()), Stopwatch())
+    assert (found.altered, found.decisions) == ([], 3)
+    assert found.stopped == "step 3: the record ends before the decision"
+
+
 def test_what_the_robot_is_told_can_be_changed() -> None:
     """Told of worse sensors, it believes something else: no recorded geometric answer is about that belief."""
     assert what_if("sim1_green", "noise.detection.found=0.7").planned > 0
@@ -144,9 +167,9 @@ def test_what_was_recorded_cannot_be_set(flag: str) -> None:
         changes_of({}, [flag])
 
 
-@pytest.mark.parametrize("value", ["0", "1.5", "high", ""])
+@pytest.mark.parametrize("value", ["0", "1", "1.5", "high", ""])
 def test_a_threshold_is_a_probability(value: str) -> None:
-    with pytest.raises(InputError, match="above 0 and at most 1"):
+    with pytest.raises(InputError, match="between 0 and 1"):
         changes_of({}, [f"threshold={value}"])
 
 

@@ -148,6 +148,8 @@ def _run() -> int:
     try:
         app(prog_name="skolem")
     except SystemExit as leaving:
+        if isinstance(leaving.__context__, BrokenPipeError):  # typer makes it a failure of the command
+            raise leaving.__context__ from None
         return leaving.code if isinstance(leaving.code, int) else int(leaving.code is not None)
     except KeyboardInterrupt:
         return 130

@@ -138,9 +138,9 @@ def course(run: RecordedRun, step: int | None) -> Course:
         if current.step == step or current.last:
             break
         stack = plans[-1].layers if plans else stack
-    if recorded is None or step not in (None, recorded.step):
-        last = "none" if recorded is None else f"0 to {recorded.step}"
-        raise InputError([Fault("--step", 0, 0, f"the run has decisions {last}, got {step}")])
+    assert recorded is not None, "a run without decisions has no steps to go through"
+    if step not in (None, recorded.step):
+        raise InputError([Fault("--step", 0, 0, f"the run has decisions 0 to {recorded.step}, got {step}")])
     return Course(recorded, before, made, within, root, stack, bound)
 
 

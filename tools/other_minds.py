@@ -52,7 +52,7 @@ def changes_of(rules: Mapping[str, bytes], flags: Sequence[str]) -> Changes:
         if key == THRESHOLD:
             threshold = _probability(value)
             if threshold is None:
-                faults.append(Fault(f"--set {flag}", 0, 0, "expected a probability above 0 and at most 1"))
+                faults.append(Fault(f"--set {flag}", 0, 0, "expected a probability between 0 and 1, both excluded"))
         elif key.partition(".")[0] not in (*NOT_TOLD, *TOLD):
             known = ", ".join((THRESHOLD, *NOT_TOLD, *TOLD))
             message = f"what was recorded cannot change: expected one of {known}; `skolem run --set` changes the world"
@@ -84,6 +84,8 @@ def _given_by_scenario(run: RecordedRun, changes: Changes, rulebook: Rulebook) -
     told = run.told
     if any(flag.partition("=")[0].partition(".")[0] in TOLD for flag in changes.overrides):
         told = prior(scenario, rulebook.vocabulary.types, run.start.seed, run.told.robot)
+    elif changes.rules:
+        told = told.model_copy(update={"types": dict(rulebook.vocabulary.types)})
     return Given(goal, rulebook, told, scenario.limits)
 
 
@@ -104,4 +106,4 @@ def _probability(text: str) -> float | None:
         value = float(text)
     except ValueError:
         return None
-    return value if 0.0 < value <= 1.0 else None
+    return value if 0.0 < value < 1.0 else None

@@ -144,10 +144,16 @@ class RecordedRun:
         return written if written in held else canonical(self._known[topic].of(values))
 
     def steps(self) -> Iterator[RecordedStep]:
-        """Yield every decision in order."""
+        """Yield every decision in order.
+
+        Raises:
+            TraceError: If there is none, or messages are missing.
+        """
         groups = self._groups()
         next(groups)
         link, group = NO_CHAIN, next(groups, None)
+        if group is None:
+            raise TraceError(f"{self.path}: nothing to replay: the run ended before its first decision")
         while group is not None:
             following = next(groups, None)
             yield RecordedStep(_step_of(group[0]), group, link, following is None)
@@ -160,7 +166,14 @@ class RecordedRun:
         return last.milliseconds["total"] / 1e3 if isinstance(last, Perf) else None
 
     def _groups(self) -> Iterator[list[Recorded]]:
-        return by_step(self._trace.messages(*DECISIONS))
+        return by_step(self._decisions())
+
+    def _decisions(self) -> Iterator[Recorded]:
+        """Yield the messages that a replay reads or makes; a gap in them is a gap in what the mind was given."""
+        for number, recorded in enumerate(self._trace.messages(*DECISIONS)):
+            if recorded.sequence != number:
+                raise TraceError(f"{self.path}: {recorded.topic}: decision message {number} is missing")
+            yield recorded
 
 
 def _step_of(message: Recorded) -> int:

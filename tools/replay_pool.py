@@ -1,6 +1,7 @@
 """Many traces replayed at a time, in processes of this machine; their reports come in the order of the traces."""
 
 import gc
+import os
 import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -28,16 +29,23 @@ def reports(traces: Sequence[Path], wanted: Wanted, workers: int) -> Iterator[Re
         InternalError: If a process dies.
     """
     try:
-        with ProcessPoolExecutor(workers, get_context("spawn"), _begin, (wanted, gc.get_threshold())) as pool:
-            yield from pool.map(_report, traces)
+        told = (wanted, gc.get_threshold(), os.getpid())
+        with ProcessPoolExecutor(workers, get_context("spawn"), _begin, told) as pool:
+            held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for us: workers inherit this
+            try:
+                found = pool.map(_report, traces)
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, held)
+            yield from found
     except BrokenProcessPool as error:
         raise InternalError("a process died while it replayed; --workers 1 tells over which trace") from error
 
 
-def _begin(wanted: Wanted, garbage: tuple[int, int, int]) -> None:
-    """Make this process a worker; Ctrl-C is for the process that started it."""
+def _begin(wanted: Wanted, garbage: tuple[int, int, int], parent: int) -> None:
+    """Make this process a worker, unless the one that started it has died meanwhile."""
     end_with_parent()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if os.getppid() != parent:
+        os._exit(1)
     gc.set_threshold(*garbage)
     _replayers.append(Replayer(wanted))
 

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from skolem.traces.errors import Fault, InputError
+
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
@@ -36,6 +38,8 @@ def reproduce(
     from skolem.traces.diff import tolerance_for
     from skolem.traces.reader import Trace
 
+    if keep is not None and keep.exists():
+        raise InputError([Fault("--keep", 0, 0, f"{keep} exists and is not replaced; give another name")])
     old = Trace(trace)
     other = fingerprint.differences(old.metadata.get("env", {}))
     tolerance = tolerance_for("other machine" if other else "equal machine").with_floats(atol, rtol)

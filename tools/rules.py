@@ -93,8 +93,11 @@ def doc(
     text = json_format.dumps(sections(rulebook)) + "\n" if json else reference(rulebook)
     if out is None:
         print(text, end="")
-    else:
+        return
+    try:
         out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError([Fault(str(out), 0, 0, f"cannot write here: {error.strerror}")]) from error
 
 
 def _load(paths: Sequence[Path]) -> "Rulebook":

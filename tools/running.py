@@ -9,6 +9,7 @@ from skolem.tools.live import watcher_for
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.errors import InputError, SkolemError
 from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
+from skolem.traces.writer import partial_of
 
 EXIT: dict[RunStatus, int] = {
     "goal_achieved": 0,
@@ -81,9 +82,12 @@ def explanation(end: RunEnd) -> list[str]:
 
 
 def unused(path: Path) -> Path:
-    """Return the path, or the first of NAME.2.mcap, NAME.3.mcap, .. that does not exist."""
+    """Return the path, or the first of NAME.2.mcap, NAME.3.mcap, .. that is not there, written or being written.
+
+    What a killed run left may be all that there is of it, and another run may be under way.
+    """
     number, free = 2, path
-    while free.exists():
+    while free.exists() or partial_of(free).exists():
         free = path.with_name(f"{path.stem}.{number}{path.suffix}")
         number += 1
     return free

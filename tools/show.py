@@ -49,12 +49,13 @@ def show(
 
 def _show_plans(run: Trace, json: bool) -> None:
     lines = tree_lines(run.of(Plan), run.of(Action))
-    start, end = next(iter(run.of(RunStart))), next(iter(run.of(RunEnd)), None)
+    start, end = next(iter(run.of(RunStart)), None), next(iter(run.of(RunEnd)), None)
+    goal = "unknown: the record of it is lost" if start is None else start.goal
     if json:
         ended = None if end is None else end.model_dump(mode="json")
-        print(json_format.dumps({"trace": str(run.path), "goal": start.goal, "plans": lines, "end": ended}))
+        print(json_format.dumps({"trace": str(run.path), "goal": start and start.goal, "plans": lines, "end": ended}))
         return
-    print(f"goal: {start.goal}")
+    print(f"goal: {goal}")
     print("\n".join(lines))
     if end is not None:
         print(f"{end.status}: {end.reason}")

@@ -90,7 +90,7 @@ def moment(trace: Trace, step: int) -> Moment:
     Raises:
         InputError: If the run has none of that number.
     """
-    found, last, before = Moment(step), 0, 0
+    found, last, before = Moment(step), -1, 0
     for recorded in trace.messages(*TOPICS):
         message = recorded.message
         if isinstance(message, Plan) and message.step <= step:
@@ -104,7 +104,8 @@ def moment(trace: Trace, step: int) -> Moment:
             found.identity = message.identity[before:] if message.step == step else found.identity
             before = len(message.identity)
     if found.belief is None:
-        raise InputError([Fault("--step", 0, 0, f"the run has decisions 0 to {last}, got {step}")])
+        there = f"has decisions 0 to {last}" if last >= 0 else "ended before its first decision"
+        raise InputError([Fault("--step", 0, 0, f"the run {there}, got {step}")])
     return found
 
 

@@ -75,7 +75,12 @@ def plan(files: Sequence[Path], seeds: range, world: WorldKind, overrides: Seque
 def execute(
     plan: Plan, out: Path, workers: int, scheduler: str | None, write: Path | None, json: bool, quiet: bool
 ) -> int:
-    """Do the runs that are not done yet, write the tables, print what came of it, and return the exit status."""
+    """Do the runs that are not done yet, write the tables, print what came of it, and return the exit status.
+
+    Raises:
+        InputError: If the tables could not be written in the end.
+    """
+    _check_places(out, write)
     rows = {task.name: row for task in plan.tasks if (row := done_before(task, out)) is not None}
     interrupted = False
     try:
@@ -95,6 +100,24 @@ def execute(
     if interrupted:
         return INTERRUPTED
     return 0 if all(row.believed for row in found) else 1
+
+
+def _check_places(out: Path, write: Path | None) -> None:
+    """Refuse places where nothing can be written, before hours of runs."""
+    faults = []
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        faults.append(Fault("--out", 0, 0, f"cannot write to {out}: {error.strerror}"))
+    try:
+        if write is not None and write.exists():
+            write.read_text(encoding="utf-8")
+    except OSError as error:
+        faults.append(Fault("--write", 0, 0, f"cannot write to {write}: {error.strerror}"))
+    except UnicodeDecodeError:
+        faults.append(Fault("--write", 0, 0, f"cannot write to {write}: it is not a text"))
+    if faults:
+        raise InputError(faults)
 
 
 def _do_the_others(

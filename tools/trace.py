@@ -1,6 +1,7 @@
 """The verb `trace`."""
 
 import json as json_format
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -51,6 +52,10 @@ def bless(
     from skolem.tools.blessing import bless as bless_one
 
     known = read_manifest(folder)
+    of_new = {"--seed": seed, "--world": world != "pybullet", "--set": set_, "--why": why}
+    faults = _contradictions(scenario, all_, [flag for flag, given in of_new.items() if given])
+    if faults:
+        raise InputError(faults)
     if scenario is None:
         recipes = _known_recipes(known, folder, sorted(known) if all_ else names or [])
     else:
@@ -58,6 +63,13 @@ def bless(
     for name, recipe in recipes.items():
         blessed = bless_one(folder, name, recipe, reason)
         print(json_format.dumps(_fields(blessed)) if json else _text(blessed), flush=True)
+
+
+def _contradictions(scenario: Path | None, all_: bool, of_new: Sequence[str]) -> list[Fault]:
+    """Return what is wrong with flags that are of a new trace beside those that are of known ones."""
+    if scenario is None:
+        return [Fault(flag, 0, 0, "is of a new trace, or of another recipe: give --scenario too") for flag in of_new]
+    return [Fault("--all", 0, 0, "is of the traces that there are: leave out --scenario")] if all_ else []
 
 
 def _known_recipes(known: dict[str, Golden], folder: Path, names: Sequence[str]) -> dict[str, Golden]:
@@ -78,6 +90,8 @@ def _new_recipe(
 ) -> dict[str, Golden]:
     if len(names) != 1 or not why:
         raise InputError([Fault("--scenario", 0, 0, "expected one name, and --why with what the trace is for")])
+    if not re.fullmatch(r"\w+", names[0], re.ASCII):
+        raise InputError([Fault(names[0], 0, 0, "expected a name of letters, digits and underscores")])
     return {names[0]: Golden(scenario=scenario, seed=seed, world=world, overrides=tuple(overrides), why=why)}
 
 

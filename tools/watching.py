@@ -13,6 +13,7 @@ from typing import Final
 
 from skolem.tools.children import NO_DISPLAY, end, end_with_parent, has_display
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.writer import partial_of
 
 NICE: Final = 10
 _SKOLEM: Final = "from skolem.tools.cli import main; raise SystemExit(main())"
@@ -29,7 +30,7 @@ def watched(trace: Path) -> Iterator[None]:
     """
     if not has_display():
         raise InputError([Fault("--view", 0, 0, NO_DISPLAY)])
-    partial = trace.with_name(trace.name + ".partial")
+    partial = partial_of(trace)
     try:
         trace.parent.mkdir(parents=True, exist_ok=True)
         file = partial.open("wb")  # the writer will open it too; held open, it is found under whatever name it gets

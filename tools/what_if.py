@@ -13,7 +13,7 @@ from typing import Literal
 from skolem.reasoner.terms import MICRO
 from skolem.tools.planners import planner_of
 from skolem.tools.recalled_geometry import RecalledGeometry
-from skolem.tools.recorded_run import RecordedRun, RecordedStep
+from skolem.tools.recorded_run import CUT_SHORT, RecordedRun, RecordedStep
 from skolem.tools.replaying import same_act
 from skolem.tools.rethinking import Given, Rethinking, Thought, end_text
 from skolem.tools.stopwatch import Stopwatch
@@ -83,7 +83,7 @@ def foresee(run: RecordedRun, given: Given, watch: Stopwatch) -> Foreseen:
 
 def _decide(mind: Rethinking, recorded: RecordedStep, foreseen: Foreseen) -> None:
     """Take one decision with the changed mind, and go on as the recorded one did if that is what it would do."""
-    if recorded.action is None and recorded.end is None:
+    if recorded.action is None and (recorded.end is None or recorded.end.status in CUT_SHORT):
         foreseen.stopped = f"step {recorded.step}: the record ends before the decision"
         return
     thought = mind.decide(recorded)

@@ -118,12 +118,15 @@ class Copy:
         """Create the partial file.
 
         Raises:
-            InputError: If the file cannot be created.
+            InputError: If the file cannot be created, or is there already.
         """
         self.path = path
         self._partial = path.with_name(path.name + ".copying")
         try:
-            self._file = self._partial.open("wb")
+            self._file = self._partial.open("xb")
+        except FileExistsError as error:
+            said = "exists: another copy is being made, or one was not finished; remove it, or give another name"
+            raise InputError([Fault(str(self._partial), 0, 0, said)]) from error
         except OSError as error:
             raise InputError([Fault(str(path), 0, 0, f"cannot write here: {error.strerror}")]) from error
         self._mcap = Writer(self._file, compression=CompressionType.ZSTD, chunk_size=chunk_bytes, enable_data_crcs=True)

@@ -155,12 +155,13 @@ def opened(path: Path) -> IO[bytes]:
     """
     try:
         file = path.open("rb")
+        is_mcap = file.read(MAGIC_SIZE) == MAGIC
+        file.seek(0)
     except OSError as error:
-        raise TraceError(f"{path}: cannot read the trace: {error.strerror}") from error
-    if file.read(MAGIC_SIZE) != MAGIC:
+        raise TraceError(f"{path}: cannot read the trace: {error.strerror or error}") from error
+    if not is_mcap:
         file.close()
         raise TraceError(f"{path}: not a trace: it does not begin as an MCAP file")
-    file.seek(0)
     return file
 
 

@@ -52,7 +52,9 @@ class Truth:
             return
         self._last[name] = now
         item = self._objects[name]
-        kind = types[item.type]
+        kind = types.get(item.type)
+        if kind is None:  # a recovered trace may have lost what says how things of a type look
+            return
         colour = rgba(WOOD if kind.shape == "table" else item.hsv)
         self._shapes.draw(f"{PREFIX}{name}", when, kind, position, turn, colour, "solid")
 

@@ -53,7 +53,7 @@ class TraceWriter:
             InputError: If the file cannot be created.
         """
         self.path = path
-        self.partial = path.with_name(path.name + ".partial")
+        self.partial = partial_of(path)
         self._profile = profile
         self._hash = ContentHash()
         self._chain = HashChain()
@@ -62,7 +62,7 @@ class TraceWriter:
         self._results = 0
         self._candidate: tuple[float, str | None] = (0.0, None)
         self._ended = False
-        self._file = _create(self.partial)
+        self._file = _create(path)
         self._mcap = Writer(self._file, compression=CompressionType.ZSTD, chunk_size=CHUNK_BYTES, enable_data_crcs=True)
         self._mcap.start(profile="", library=LIBRARY)
         self._mcap.add_metadata("run", dict(sorted((dict(run) | {"schema_version": str(SCHEMA_VERSION)}).items())))
@@ -154,9 +154,17 @@ class TraceWriter:
         self.write("/run/end", end, self._tick)
 
 
+def partial_of(path: Path) -> Path:
+    """Return what a trace is called until it is complete."""
+    return path.parent / f"{path.name}.partial"
+
+
 def _create(path: Path) -> IO[bytes]:
+    """Return the partial file of a trace, open; one that cannot get its name in the end is not begun."""
+    if path.is_dir():
+        raise InputError([Fault(str(path), 0, 0, "is a folder; give the name of a file")])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        return path.open("wb")
+        return partial_of(path).open("wb")
     except OSError as error:
         raise InputError([Fault(str(path), 0, 0, f"cannot write the trace here: {error.strerror}")]) from error
