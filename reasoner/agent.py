@@ -70,6 +70,7 @@ class Agent:
         self.denotations = Denotations(goal.expressions, rulebook)
         self._mutexes = read_mutexes(rulebook)
         self._refused: dict[tuple[Term, int], Term] = {}  # (step, level) -> what it is called
+        self._stopped = False  # whether the last search ended at its limit
         self._in_vain: set[object] = set()  # searches without a plan in this belief: with more refusals they have none
         self._objections: dict[Term, str] = {}  # step -> why the robot cannot do such a thing
         self._attempts = Attempts(limits)
@@ -184,6 +185,7 @@ class Agent:
         )
         calls, atoms = self.posed.offers.calls - calls, self.posed.offers.ground_atoms - atoms
         turn.decisions.append(self._decision(step, roots, found, calls, atoms))
+        self._stopped = not found.exhausted
         if found.steps:
             self._stack.push(found.steps)
             turn.plans.append(self._stack.message(step, Change(cause)))
@@ -263,7 +265,7 @@ class Agent:
         often = [str(step) for step in self._attempts.hopeless() if step not in self._objections]
         if often:
             reason += f"; without success {self._limits.repeats} times: {', '.join(sorted(often))}"
-        if last.expansions >= self._limits.expansions:
+        if self._stopped:
             reason += f"; stopped after {last.expansions} expansions (limits.expansions)"
         self._finish(turn, step, "goal_unachievable", reason)
 

@@ -313,7 +313,8 @@ class WithStranger:
 def alternatives(circuit: Circuit) -> tuple[tuple[str, ...], ...]:
     """Return sets of properties of the described object, each enough to make its description true as far as they go.
 
-    Minimal sets, smallest first; relations to other objects are left out, as no observation of one object settles them.
+    Minimal sets, smallest first. Relations are left out: no observation of one object settles those to others, and what
+    compares a quantity with a number is judged by what is known, not examined.
     """
     return tuple(tuple(sorted(words)) for words in _alternatives(circuit.root, circuit) if words)
 

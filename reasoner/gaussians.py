@@ -17,6 +17,7 @@ from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
 from skolem.traces.messages import HsvVolume, Quantity, WeightInterval
 
 _UNIT: Final = 1000.0
+_SUREST: Final = 1.0 - 0.5e-6  # above, a probability is 0 micronats, and no bound is wide enough for it
 _MOST_OBSERVATIONS: Final = 8  # beyond this many, a band counts as out of the sensor's reach
 _TURN: Final = {
     "pose": (None, None, 2 * math.pi),
@@ -91,7 +92,7 @@ def band(
     prior = np.diagonal(belief.covariance).tolist()
     sensor = np.diagonal(observation).tolist()
     intervals = _intervals(meaning, belief)
-    margin = NormalDist().inv_cdf((1 + p ** (1 / len(intervals))) / 2)
+    margin = NormalDist().inv_cdf((1 + min(p, _SUREST) ** (1 / len(intervals))) / 2)
     for count in range(1, _MOST_OBSERVATIONS + 1):
         sds = [
             math.ceil(_UNIT * math.sqrt(1 / (1 / v + count / max(r, 1e-12))))

@@ -114,7 +114,9 @@ class PosedGoal:
         return Closest(0.0, anchor, conjuncts)
 
     def _probability(self, root: Subgoal, kind: str = "") -> float:
-        """Return the product over the beliefs of a conjunction, or over those of one kind."""
+        """Return the product over the beliefs of a conjunction, 0 if anything else in it is false; or over one kind."""
+        if not kind and not all(self.situation.holds(f) for f in root if isinstance(f, Compound) and f.name != "b"):
+            return 0.0
         phis = [f.args[0] for f in sorted(root, key=str) if isinstance(f, Compound) and f.name == "b"]
         return math.prod(
             self.situation.probability(phi)
@@ -192,7 +194,7 @@ def _subject(root: Subgoal, anchors: tuple[str, ...]) -> str | None:
     """Return the object a description of the goal is about, or the first anchor it names."""
     for fluent in sorted(root, key=str):
         match fluent:
-            case Compound("b", (Compound(_, args), _)):
+            case Compound("b" | "bn", (Compound(_, args), *_)) | Compound("krd", args):
                 named = [a for a in args if a in anchors]
                 if named:
                     return str(named[0])

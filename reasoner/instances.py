@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from skolem.reasoner.patterns import mentions
 from skolem.reasoner.terms import Compound, Term
+from skolem.traces.errors import InternalError
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,11 @@ class _Parts:
 
 
 def read_instances(atoms: Mapping[str, Iterable[tuple[Term, ...]]]) -> tuple[Instance, ...]:
-    """Return the instances of one answer, rejected ones too, sorted by text."""
+    """Return the instances of one answer, rejected ones too, sorted by text.
+
+    Raises:
+        InternalError: If a cost or a level is no whole number from 0: no step costs less than nothing.
+    """
     parts: defaultdict[Term, _Parts] = defaultdict(_Parts)
     of = parts.__getitem__
 
@@ -94,11 +99,11 @@ def read_instances(atoms: Mapping[str, Iterable[tuple[Term, ...]]]) -> tuple[Ins
     for step, name in (*atoms.get("operation", ()), *atoms.get("called", ())):  # in older traces: called
         of(step).called = name
     for step, reason, cost in atoms.get("cost", ()):
-        of(step).costs.add((reason, _integer(cost)))
+        of(step).costs.add((reason, _natural(cost, f"cost({step},{reason},..)")))
     for step, fluent in atoms.get("result", ()):
         of(step).results.add(fluent)
     for step, fluent, level in atoms.get("precond", ()):
-        of(step).preconditions.add((fluent, _integer(level)))
+        of(step).preconditions.add((fluent, _natural(level, f"precond({step},{fluent},..)")))
     for step, pattern in atoms.get("destroys", ()):
         of(step).destroys.add(pattern)
     for step, command in atoms.get("executes", ()):
@@ -124,10 +129,10 @@ def _instance(step: Term, p: _Parts) -> Instance:
     )
 
 
-def _integer(term: Term) -> int:
-    if isinstance(term, int):
+def _natural(term: Term, where: str) -> int:
+    if isinstance(term, int) and term >= 0:
         return term
-    raise TypeError(f"the rules gave {term!s} where a number was expected")
+    raise InternalError(f"{where}: the rules gave {term!s} where a whole number from 0 was expected")
 
 
 def title(operation: Term) -> str:

@@ -13,7 +13,7 @@ from typing import Final
 from clingo.ast import AST, ASTType
 
 from skolem.reasoner.examination import Doubt, Examined
-from skolem.reasoner.fluent_kinds import COMMANDS, FLUENTS, pattern, shape, sorted_pattern
+from skolem.reasoner.fluent_kinds import ACTIVITIES, COMMANDS, FLUENTS, pattern, shape, sorted_pattern
 from skolem.reasoner.instances import title
 from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
@@ -22,6 +22,7 @@ from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.reasoner.validate import OUTPUT, Signature
 from skolem.reasoner.vocabulary import Vocabulary
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.messages import HANDS
 
 CODES: Final = {  # what may be allowed -> what it is about
     "unreachable": "a precondition that no operator and no inference rule brings about",
@@ -115,10 +116,13 @@ def _allowance(source: Source, code: str) -> str:
 def _wrong(shapes: Shapes, files: Files) -> _Found:
     """What would stop a run."""
     yield from _strangers(shapes, files)
+    for name in ("cost", "precond"):
+        for args, source in _all(shapes, name, 3):
+            if args[2] != ANY and not (isinstance(args[2], int) and args[2] >= 0):
+                yield source, NOT_A_FLUENT, f"{name}/3 ends in a whole number from 0, found {args[2]}"
     for (_, command), source in _all(shapes, "executes", 2):
-        if command != ANY and not _known_commands(command):
-            names = ", ".join(sorted(_functor(sorted_pattern(c)) for c in COMMANDS))
-            yield source, NOT_A_FLUENT, f"the robot cannot carry out {title(command)}; there are: {names}"
+        if all(meet(command, pattern(known)) is None for known in COMMANDS):
+            yield source, NOT_A_FLUENT, f"the robot cannot carry out {title(command)}; there are: {', '.join(COMMANDS)}"
 
 
 def _known_commands(command: Term) -> list[Term]:
@@ -128,18 +132,39 @@ def _known_commands(command: Term) -> list[Term]:
 
 def _strangers(shapes: Shapes, files: Files) -> _Found:
     """Fluents that neither the belief nor the geometry can answer."""
-    known = [_without_variables(pattern(text)) for text in FLUENTS]
-    about = (("precond", 3), ("result", 2), ("destroys", 2))
-    used = [(source, args[1]) for name, arity in about for args, source in _all(shapes, name, arity)]
-    used += [(source, fluent) for args, source in _all(shapes, "mutex", 2) for fluent in args]
-    used += _asked(files)
-    for source, fluent in used:
+    spelt = [text.replace("activity", activity) for text in FLUENTS for activity in ACTIVITIES]
+    evaluated = [pattern(text.replace("hand", hand)) for text in spelt for hand in HANDS]
+    spoken_of = [*map(pattern, FLUENTS), *evaluated]
+    used = [(source, args[1], evaluated) for args, source in _all(shapes, "precond", 3)]
+    for name in ("result", "destroys"):
+        used += [(source, args[1], spoken_of) for args, source in _all(shapes, name, 2)]
+    used += [(source, fluent, spoken_of) for args, source in _all(shapes, "mutex", 2) for fluent in args]
+    used += [(source, fluent, spoken_of) for source, fluent in _asked(files)]
+    for source, fluent, known in used:
         if all(meet(_without_variables(fluent), other) is None for other in known):
-            names = sorted({shape(other) for other in known})
-            close = get_close_matches(shape(fluent), names, 1)
-            hint = f"did you mean {close[0]}?" if close else f"there are: {', '.join(names)}"
-            message = f"{shape(fluent)} is not a fluent that the belief or the geometry can answer; {hint}"
-            yield source, NOT_A_FLUENT, message
+            message = "is not a fluent that the belief or the geometry can answer"
+            yield source, NOT_A_FLUENT, f"{_named(fluent)} {message}; {_instead(fluent)}"
+
+
+def _named(fluent: Term) -> str:
+    """Return a fluent as a fault names it: by its kind if that is what is wrong, as it is if not."""
+    return str(fluent) if _of_kind(fluent) else shape(fluent)
+
+
+def _instead(fluent: Term) -> str:
+    """Return what may have been meant."""
+    if alike := _of_kind(fluent):
+        sorts = {"activity": ACTIVITIES, "hand": HANDS}
+        spelt = [f"{sort} is {', '.join(names)}" for sort, names in sorts.items() if any(sort in a for a in alike)]
+        return "; ".join([f"expected {' or '.join(alike)}", *spelt])
+    names = sorted({shape(pattern(text)) for text in FLUENTS})
+    close = get_close_matches(shape(fluent), names, 1)
+    return f"did you mean {close[0]}?" if close else f"there are: {', '.join(names)}"
+
+
+def _of_kind(fluent: Term) -> list[str]:
+    """Return the fluents of the table that have the kind of this one."""
+    return [text for text in FLUENTS if shape(pattern(text)) == shape(fluent)]
 
 
 def _asked(files: Files) -> Iterator[tuple[Source, Term]]:

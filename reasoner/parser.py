@@ -340,6 +340,8 @@ class _Parser(Cursor):
         if self.token.kind == "number":
             if objects_only:
                 self.complain(self.token, f"expected an object, found the number {self.token.text}")
+            elif abs(float(self.token.text)) > MAX_NUMBER:
+                self.complain(self.token, f"{self.token.text} is too large a number; at most {MAX_NUMBER}")
             return Number(self.number())
         return self.object()
 

@@ -59,12 +59,16 @@ class Queries:
         return list(self._now.blockers(activity))
 
     def props_for(self, expression: str, anchor: str, p: int) -> list[Term]:
-        """PropsFor: of each set of properties that suffices, those believed less than their even share of the bound."""
+        """PropsFor: of each set of properties that suffices, those believed less than their even share of the bound.
+
+        All of the set if those alone would not tell of which set they are; to be sure of the others then costs nothing.
+        """
         found: list[Term] = []
         for words in self._alternatives[expression]:
             share = p // len(words)
             unsure = [w for w in words if self.believed(w, anchor) > share]
-            found.append(Compound("", tuple(unsure or words)))
+            props = Compound("", tuple(unsure or words))
+            found.append(props if self._set_of(expression, props) == words else Compound("", words))
         return found
 
     def portion(self, expression: str, props: Compound, anchor: str, p: int) -> Term:
@@ -126,9 +130,9 @@ class Queries:
         held = self._now.belief.held(hand_named(hand))
         return [] if held is None else [held]
 
-    def graspable(self, anchor: str) -> Term:
-        """1 if a hand can close on the anchor's most likely type, else 0."""
-        return int(self._now.belief.graspable(anchor))
+    def graspable(self, thing: Term) -> Term | list[Term]:
+        """1 if a hand can close on the anchor's most likely type, else 0; nothing for what is not met yet."""
+        return int(self._now.belief.graspable(str(thing))) if thing in self._known else []
 
     def supports(self) -> list[Term]:
         """Anchors things can be put on: those no hand can hold."""

@@ -13,7 +13,9 @@ from skolem.traces.errors import Fault
 MAX_BYTES: Final = 200_000
 GREATEST: Final = 2**31 - 1  # clingo counts in 32 bits and wraps without a word
 _SKIPPED_OR_TOKEN: Final = re.compile(
-    r"""%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\])*"|(?P<include>\#include\b)|(?<![\w'])(?P<number>[1-9]\d*)\b""", re.DOTALL
+    r"""%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\])*"|(?P<include>\#include\b)|(?<![\w'])(?P<number>[1-9]\d*)\b"""
+    r"""|(?P<foreign>[^\x00-\x7f]+)""",  # clingo would name half a character, and fail over it
+    re.DOTALL,
 )
 _MESSAGE: Final = re.compile(r"(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: (?P<kind>\w+): (?P<text>.*)")
 _UNSAFE: Final = re.compile(r":(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: note: '(?P<name>.+?)' is unsafe")
@@ -71,6 +73,8 @@ def _token_refusal(match: re.Match[str]) -> str:
     """Return why a piece of text is not allowed, of which the syntax tree says nothing any more."""
     if match["include"]:
         return "#include is not allowed: name each file"
+    if match["foreign"]:
+        return f"{match['foreign']!r} is not ASCII: outside of comments and texts, rules are"
     if match["number"] and int(match["number"]) > GREATEST:
         return f"{match['number']} does not fit 32 bits: at most {GREATEST}"
     return ""

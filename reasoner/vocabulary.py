@@ -190,7 +190,9 @@ def _colour(fact: Compound, place: Place, faults: list[Fault]) -> HsvVolume | No
 
 def _empty(low: Term, high: Term, turns: bool) -> bool:
     """Return whether there is nothing between two numbers that rise, or go round if that `turns`."""
-    return isinstance(low, int) and isinstance(high, int) and (low == high if turns else low >= high)
+    if not isinstance(low, int) or not isinstance(high, int):
+        return False
+    return low % 360 == high % 360 and high - low != 360 if turns else low >= high
 
 
 def _weight(fact: Compound, place: Place, faults: list[Fault]) -> WeightInterval | None:

@@ -57,6 +57,20 @@ def test_rules_that_clingo_cannot_ground_hide_no_word_of_the_others(tmp_path: Pa
     assert "airy" in found.vocabulary.meanings
 
 
+@pytest.mark.parametrize(("text", "column"), [("weight(groß, 5, 6).", 11), ("weight(airy,\u00a05, 6).", 13)])
+def test_letters_that_clingo_cannot_take_are_named_but_in_comments_and_texts(
+    tmp_path: Path, text: str, column: int
+) -> None:
+    (fault,) = examined(tmp_path, f"% schön\n{text}").faults
+    assert (fault.line, fault.column) == (2, column)
+    assert "is not ASCII" in fault.message
+
+
+@pytest.mark.parametrize(("hues", "faults"), [("360, 0", 1), ("40, 40", 1), ("0, 360", 0), ("350, 10", 0)])
+def test_a_colour_without_a_hue_is_a_fault(tmp_path: Path, hues: str, faults: int) -> None:
+    assert len(examined(tmp_path, f"colour(odd, {hues}, 40, 100, 20, 100).").faults) == faults
+
+
 def test_doubt_is_about_the_predicates_it_names() -> None:
     doubt = Doubt(uncertain=frozenset({("result", 2)}))
     assert doubt.about([("step", 1), ("result", 2)])

@@ -4,7 +4,7 @@ The simulator alone knows the scenario's true world; belief and reasoner get the
 """
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +17,7 @@ from skolem.reasoner.expressions import Goal
 from skolem.reasoner.linting import refuse_wrong
 from skolem.reasoner.parser import goal_faults, parse_goal
 from skolem.reasoner.queries import Queries
+from skolem.reasoner.relations import misused
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.scenario import Document, Scenario, check, load_document, moves_before, prior, true_bodies
 from skolem.tools.mind import Mind
@@ -200,7 +201,12 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
         InputError: With every fault found.
     """
     words = rulebook.vocabulary.words()
-    scenario = check(document, rulebook.vocabulary.types, lambda goal, names: goal_faults(goal, words, names))
+
+    def faults(goal: str, names: Collection[str]) -> list[tuple[int, str]]:
+        found = goal_faults(goal, words, names)
+        return found or [(0, wrong) for wrong in misused(parse_goal(goal, words, names), rulebook.vocabulary)]
+
+    scenario = check(document, rulebook.vocabulary.types, faults)
     return scenario, parse_goal(scenario.goal, words, [item.id for item in scenario.belief.objects])
 
 
