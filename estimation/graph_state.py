@@ -56,9 +56,14 @@ class State:
 
 
 def empty() -> State:
-    """Return the state before the first event."""
+    """Return the state before the first event.
+
+    QR takes a tenth longer than Cholesky, which finds graphs indeterminate in which a place is known a thousand times
+    better than another: where wheels are exact, or the robot has driven far without a look.
+    """
     parameters = gtsam.ISAM2Params()
     parameters.setRelinearizeThreshold(RELINEARIZE_FROM)
     parameters.relinearizeSkip = 1
     parameters.findUnusedFactorSlots = True
+    parameters.setFactorization("QR")
     return State(gtsam.ISAM2(parameters))

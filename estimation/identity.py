@@ -54,7 +54,7 @@ class Identity:
         free = [i for i in range(len(things)) if all(row[i][1] > gate for row in distances.values())]
         for anchor, row in distances.items():
             over = sorted(row[i][0] for i in free if row[i][0] < self._touching(anchor, things[i]))
-            if len(over) > 1:
+            if len(over) > 1 and all(distance2 > gate for _, distance2 in row):
                 yield Split(anchor=anchor, sd_m=over[1], sd_rad=self.config.unknown_heading_sd_rad)
 
     def _loose(self) -> tuple[str, ...]:

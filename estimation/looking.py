@@ -42,6 +42,7 @@ class Look:
     ) -> None:
         self._graph, self._tracks, self._regions, self._config = graph, tracks, regions, config
         self._noise: NoiseModel = tracks.prior.noise
+        self._graspable = [kind for kind in tracks.prior.types.values() if kind.graspable]
         self._view = observation.view
         self._detections = canonical_order(observation.detections)
         self._expected = tuple(Expected(a, *graph.relative(BASE, a)) for a in tracks.detectable())
@@ -113,6 +114,8 @@ class Look:
         if not is_table and not self._at_height(detection, expected.anchor):
             return -math.inf
         reported = self._tracks[expected.anchor].exists * self._noise.found
+        if reported <= 0.0:  # a detector that finds nothing
+            return -math.inf
         return self._log_likelihood(detection, expected, m) + math.log(reported / (1.0 - reported))
 
     def _at_height(self, detection: Detection, anchor: str) -> bool:
@@ -136,10 +139,15 @@ class Look:
         return math.log(rate / (self._config.view_area_m2 * math.tau * kinds))
 
     def _false_per_look(self, detection: Detection) -> float:
-        """Return the expected number of detections of nothing per look, as far as this one's place looks like one."""
-        there = (detection.base_T_object, self._seen_as(detection), self._config)
-        refuted = self._image is not None and shows_behind(self._image, *there)
-        return self._noise.false_per_look * (self._config.refuted if refuted else 1.0)
+        """Return the expected number of detections of nothing per look, as far as this one's place looks like one.
+
+        It does if the picture shows what is behind anything that could be there, whatever the detection takes it for.
+        """
+        if self._image is None:
+            return self._noise.false_per_look
+        image, place, config = self._image, detection.base_T_object, self._config
+        refuted = all(shows_behind(image, place, kind, config) for kind in self._graspable)
+        return self._noise.false_per_look * (config.refuted if refuted else 1.0)
 
     def _assigned(self, scores: Array, matches: list[list[Match]], unmatched: Array) -> tuple[int | None, ...]:
         """Return which detection is of which anchor: jointly where one could be of several, as it then matters."""

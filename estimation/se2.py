@@ -14,7 +14,6 @@ from skolem.traces.messages import Pose2, Pose4
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Upper = tuple[float, float, float, float, float, float]
-IDENTITY: Pose2 = (0.0, 0.0, 0.0)
 
 
 def wrap(angle: float) -> float:

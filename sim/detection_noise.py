@@ -13,7 +13,9 @@ from skolem.traces.messages import Detection, NoiseModel, ObjectType
 FALSE_POINTS = (40, 300)  # a false alarm claims to rest on so many points
 
 
-def worsen(seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, seed: int, step: int) -> tuple[Detection, ...]:
+def worsen(
+    seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, told: NoiseModel, seed: int, step: int
+) -> tuple[Detection, ...]:
     """Return the detections of one look after misses, type confusions, colour noise and false alarms.
 
     A table may be missed as a thing may; it is never taken for a thing, nor a thing for it, and none is invented.
@@ -22,6 +24,7 @@ def worsen(seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, seed: in
         seen: What the detector found, in canonical order: the draws are dealt out in that order.
         types: Every type; confusions and false alarms are among the graspable ones.
         noise: Rates and sd.
+        told: What the detector takes them for when it states covariances.
         seed: Of the run.
         step: Of the look.
     """
@@ -35,7 +38,7 @@ def worsen(seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, seed: in
         for detection, shift in zip(seen.detections, tint, strict=True)
     ]
     found = [detection for detection, keep in zip(worse, kept, strict=True) if keep]
-    found += _false_alarms(seen, names, types, noise, stream(seed, step, Purpose.FALSE_ALARM))
+    found += _false_alarms(seen, names, types, noise.false_per_look, told, stream(seed, step, Purpose.FALSE_ALARM))
     return canonical_order(found + _tables(seen.tables, noise, stream(seed, step, Purpose.TABLES)))
 
 
@@ -66,16 +69,16 @@ def _confused(detection: Detection, names: list[str], right: float, draws: Gener
 
 
 def _false_alarms(
-    seen: Seen, names: list[str], types: dict[str, ObjectType], noise: NoiseModel, draws: Generator
+    seen: Seen, names: list[str], types: dict[str, ObjectType], rate: float, told: NoiseModel, draws: Generator
 ) -> list[Detection]:
     """Return detections of nothing, at visible places of the supports, of random type, heading and colour."""
     if not seen.supports or not names:
         return []
-    return [_false_alarm(seen, names, types, noise, draws) for _ in range(draws.poisson(noise.false_per_look))]
+    return [_false_alarm(seen, names, types, told, draws) for _ in range(draws.poisson(rate))]
 
 
 def _false_alarm(
-    seen: Seen, names: list[str], types: dict[str, ObjectType], noise: NoiseModel, draws: Generator
+    seen: Seen, names: list[str], types: dict[str, ObjectType], told: NoiseModel, draws: Generator
 ) -> Detection:
     """Return one detection as it would be if a thing of a random type stood at a random visible place."""
     places = np.concatenate([support.points for support in seen.supports])
@@ -88,7 +91,7 @@ def _false_alarm(
     red, green, blue = (float(value) for value in draws.random(3))
     return Detection(
         base_T_object=base_T_object,
-        covariance=pose_covariance(fit, base_T_object, seen.camera_base, noise),
+        covariance=pose_covariance(fit, base_T_object, seen.camera_base, told),
         type_log_likelihood={name: likeness(claimed, types[name], distance_m) for name in names},
         rgb=(red, green, blue),
         points=int(draws.integers(*FALSE_POINTS)),

@@ -63,6 +63,7 @@ class PyBulletWorld:
         seed: int,
         recorder: Recorder | None = None,
         images: bool = False,
+        told: NoiseModel | None = None,
     ) -> None:
         """Build the world.
 
@@ -75,8 +76,10 @@ class PyBulletWorld:
             seed: Of the run.
             recorder: Called with a topic and a protobuf message while the robot moves; `tick` is its time.
             images: Whether pictures are recorded too.
+            told: How its detector takes its sensors to err when it states covariances; None: as they do.
         """
         self._types, self._noise, self._seed, self._images = types, noise, seed, images
+        self._told = told or noise
         self._world = World(types, things, world_T_base, torso, recorder)
         self._executor = Executor(self._world)
         enable_wrist_sensor(self._world, SENSING_HAND)
@@ -105,7 +108,9 @@ class PyBulletWorld:
         )
 
     def disturb(self, object_id: str, world_T_object: Pose4) -> None:
-        """Put a thing somewhere else, from outside and unseen by the robot."""
+        """Put a thing somewhere else, from outside and unseen by the robot; out of a hand, if it is in one."""
+        for hand in [hand for hand, grasp in self._world.grasps.items() if grasp.id == object_id]:
+            detach(self._world, hand)
         self._world.put(object_id, world_T_object)
 
     def execute(self, action: Action) -> tuple[ActionResult, Observation]:
@@ -162,8 +167,8 @@ class PyBulletWorld:
         error = extrinsic_error(self._noise, stream(self._seed, step, Purpose.EXTRINSICS))
         rgb = camera.exposed(picture.rgb, self._noise.colour_gain)
         points = cloud.cloud_from_depth(depth, rgb, base_T_camera, error)
-        seen = detect(cloud.without_own_body(points, self._limbs(), LIMB_RADIUS_M), self._types, self._noise)
-        detections = worsen(seen, self._types, self._noise, self._seed, step)
+        seen = detect(cloud.without_own_body(points, self._limbs(), LIMB_RADIUS_M), self._types, self._told)
+        detections = worsen(seen, self._types, self._noise, self._told, self._seed, step)
         if self._images:
             self._record_images(rgb, depth)
         view = cloud.depth_view(depth, cloud.misplaced(base_T_camera, error))
@@ -215,15 +220,17 @@ class PyBulletWorld:
         return result.model_copy(update={"robot": self.robot_state()})
 
     def _place(self, step: int, command: Place) -> ActionResult:
-        """Put down what is held; lowering ends when it touches something."""
+        """Put down what is held; lowering ends when it touches something. An empty hand opens too, and has failed."""
         hand, executor = command.hand, self._executor
-        if hand not in self._world.grasps or not executor.move_freely(hand, command.approach):
+        if not executor.move_freely(hand, command.approach):
             return self._result(step, False)
-        executor.move_in_contact(hand, command.lower, until=lambda: held_touches(self._world, hand))
+        holds = hand in self._world.grasps
+        executor.move_in_contact(hand, command.lower, until=lambda: holds and held_touches(self._world, hand))
         base_T_tool = self._world.base_T_tool(hand)
-        detach(self._world, hand)
+        if holds:
+            detach(self._world, hand)
         executor.motors.open_fingers(hand)
-        result = self._result(step, True, hand, base_T_tool)
+        result = self._result(step, holds, hand, base_T_tool)
         executor.motors.run(FALL_TICKS)
         executor.move_in_contact(hand, command.retreat)
         executor.move_home(hand, command.carry)

@@ -160,13 +160,13 @@ def _told(
         x, y, z, theta = body.world_T_object
         x, y, theta = _perturbed((x, y, theta), sd_xy, sd_theta, noise)
         on = next(true.on for true in scenario.world if true.id == item.id)
-        support = on if on in told else None
+        support = on if on in {row.id for row in scenario.belief.objects} else None
     elif item.on is None:
         (x, y, theta), z, support = item.at, 0.0, None
     else:
         under = told[item.on]
         x, y, theta = compose2((*under.world_T_object[:2], under.world_T_object[3]), item.at)
-        z, support = types[max(under.type, key=under.type.__getitem__)].size_m[2], item.on
+        z, support = types[max(sorted(under.type), key=under.type.__getitem__)].size_m[2], item.on
     return PriorObject(
         anchor=item.id,
         type=dict(item.type),

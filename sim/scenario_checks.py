@@ -21,6 +21,7 @@ M = TypeVar("M", bound=BaseModel)
 Mistake = tuple[Address, str]
 Types = Mapping[str, ObjectType]
 ROBOT_HALF_M = 0.334  # half the side of the PR2's square base
+BASE = "base"  # what the robot calls its own place
 OWN_ANCHOR = "names of the form _o1_ are the robot's own; name it without underscores around"
 
 
@@ -80,6 +81,8 @@ def _names(values: Mapping[str, Any], address: tuple[str, ...]) -> Iterator[Mist
     for i, row in _rows(values, address):
         if isinstance(name := row.get("id"), str) and name.startswith("_"):
             yield (*address, i, "id"), OWN_ANCHOR
+        elif name == BASE:
+            yield (*address, i, "id"), f"'{BASE}' is the robot's own; give the object another name"
 
 
 def _twice(values: Mapping[str, Any], address: tuple[str, ...]) -> Iterator[Mistake]:
@@ -153,7 +156,9 @@ def _believed_kinds(values: Mapping[str, Any]) -> dict[str, str | None]:
     address = ("belief", "objects")
     believed = {item.id: item for item in _readable(values, address, BelievedObject).values()}
     kinds: dict[str, str | None] = dict.fromkeys(_ids(values, address))
-    return kinds | {name: max(item.type, key=item.type.__getitem__, default="") for name, item in believed.items()}
+    return kinds | {
+        name: max(sorted(item.type), key=item.type.__getitem__, default="") for name, item in believed.items()
+    }
 
 
 def _regions(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:

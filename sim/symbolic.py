@@ -80,6 +80,7 @@ class SymbolicWorld:
         torso: float,
         noise: NoiseModel,
         seed: int,
+        told: NoiseModel | None = None,
     ) -> None:
         """Put everything where the scenario says.
 
@@ -90,10 +91,11 @@ class SymbolicWorld:
             torso: Its lift [m].
             noise: How its sensors and wheels truly err.
             seed: Of the run.
+            told: How its detector takes them to err when it states covariances; None: as they do.
         """
         self._bodies = {body.id: body for body in things}
         self._types = dict(types)
-        self._noise = noise
+        self._noise, self._told = noise, told or noise
         self._world_T_base = world_T_base
         self._robot = RobotState(torso=torso, right_arm=CARRY["right"], left_arm=CARRY["left"])
         self._seed = seed
@@ -303,7 +305,7 @@ class SymbolicWorld:
         ]
         supports = tuple(top for top in tops if len(top.points))
         report = Seen(canonical_order(seen), supports, frame.origin, canonical_order(edges))
-        detections = worsen(report, self._types, self._noise, self._seed, step)
+        detections = worsen(report, self._types, self._noise, self._told, self._seed, step)
         view = depth_view(frame, solids, misplaced(frame, error))
         return Observation(step=step, kind="look", detections=detections, view=view)
 
@@ -317,7 +319,7 @@ class SymbolicWorld:
         distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))
         return Detection(
             base_T_object=base_T_object,
-            covariance=pose_covariance(fit, base_T_object, camera_base, self._noise),
+            covariance=pose_covariance(fit, base_T_object, camera_base, self._told),
             type_log_likelihood={
                 name: likeness(solid.type, kind, distance)
                 for name, kind in sorted(self._types.items())
@@ -336,7 +338,7 @@ class SymbolicWorld:
         distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))
         return Detection(
             base_T_object=base_T_table,
-            covariance=pose_covariance(fit, (x, y, z, base_T_table[3]), camera_base, self._noise),
+            covariance=pose_covariance(fit, (x, y, z, base_T_table[3]), camera_base, self._told),
             type_log_likelihood={
                 name: likeness(solid.type, kind, distance)
                 for name, kind in sorted(self._types.items())

@@ -161,9 +161,7 @@ def _sides(top: Top, theta: float) -> list[Side]:
         length = float(np.ptp(points[on, 1 - axis]))
         beyond = float(np.mean(sign * (inside[:, axis] - at) > SLACK_M))
         if np.count_nonzero(on) >= MIN_EDGE_POINTS and length >= MIN_EDGE_M and beyond < EXTENT_QUANTILE:
-            sd = math.hypot(
-                EDGE_SD_M, float(np.median(top.gap_m[on])) / 6.0
-            )  # sd of a uniform error is a twelfth root; rows of pixels cross an edge
+            sd = math.hypot(EDGE_SD_M, float(np.median(top.gap_m[on])) * GAP_SHARE)
             found.append(Side(axis, sign, at, top.edge[on], sd))
     return found
 

@@ -25,7 +25,7 @@ def looks(seen: Seen, **changes: float) -> list[tuple[Detection, ...]]:
 
 def whole_looks(seen: Seen, **changes: float) -> list[tuple[Detection, ...]]:
     noise: NoiseModel = EXACT.model_copy(update=changes)
-    return [worsen(seen, TYPES, noise, 0, step) for step in range(LOOKS)]
+    return [worsen(seen, TYPES, noise, noise, 0, step) for step in range(LOOKS)]
 
 
 def type_of(detection: Detection) -> str:
@@ -37,7 +37,7 @@ def three_sd(probability: float, count: int) -> float:
 
 
 def test_a_perfect_detector_is_left_as_it_is(seen: Seen) -> None:
-    assert worsen(seen, TYPES, EXACT, 0, 0) == canonical_order([*seen.detections, *seen.tables])
+    assert worsen(seen, TYPES, EXACT, EXACT, 0, 0) == canonical_order([*seen.detections, *seen.tables])
 
 
 def test_things_are_missed_at_the_given_rate(seen: Seen) -> None:
@@ -80,7 +80,7 @@ def test_tables_are_missed_at_the_given_rate_and_never_taken_for_something_else(
 
 def test_no_support_in_view_no_false_alarm() -> None:
     noise = EXACT.model_copy(update={"false_per_look": 5.0})
-    assert worsen(Seen((), (), HEAD.origin), TYPES, noise, 0, 0) == ()
+    assert worsen(Seen((), (), HEAD.origin), TYPES, noise, noise, 0, 0) == ()
 
 
 def test_what_is_reported_is_in_canonical_order(seen: Seen) -> None:

@@ -144,6 +144,15 @@ def test_what_was_seen_of_two_things_is_believed_of_neither() -> None:
     assert robot.belief.prob_property("can", GREEN) > 0.9
 
 
+def test_anchor_that_is_seen_in_its_place_is_not_split_by_what_is_seen_over_it() -> None:
+    robot = Robot(prior())
+    sees_all(robot)
+    x, y, _ = CANS["can2"]
+    over = [(x, y - 0.05, 0.0), (x, y + 0.05, 0.0)]
+    robot.look([detection(pose) for pose in (*CANS.values(), *over)], depth_view(CANS.values()))
+    assert robot.belief.identity_changes() == ()
+
+
 def test_second_thing_beside_a_known_one_splits_nothing() -> None:
     robot = Robot(prior())
     sees_all(robot)

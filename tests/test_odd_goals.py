@@ -1,15 +1,24 @@
-"""Goals beyond those of the scenarios: pursued, refused with a reason, or given up honestly; never an error."""
+"""Goals and scenarios beyond those that ship: pursued, refused with a reason, given up honestly; never an error."""
 
 from pathlib import Path
 
 import pytest
 from recordings import recorded
 
+from skolem.sim.scenario import prior
+from skolem.sim.symbolic_arm import CARRY
 from skolem.tools.session import prepare
 from skolem.traces.errors import InputError
-from skolem.traces.messages import Action, RunEnd
+from skolem.traces.messages import Action, Observation, RobotState, RunEnd
 from skolem.traces.reader import Trace
 
+MODEL = (  # of the noise, as in the scenarios
+    "{depth: {sd_scale: 1.0}, extrinsics: {sd_m: 0.003, sd_rad: 0.004}, "
+    "detection: {found: 0.9, false_per_look: 0.1, type_right: 0.95}, colour: {gain: 0.83, sd_rgb: 0.03}, "
+    "odometry: {sd_m: 0.005, sd_per_m: 0.02, sd_rad: 0.01, sd_per_rad: 0.02}, "
+    "wrist: {sd_newton: 0.40, drift_newton: 0.05}, grasp: {sd_m: 0.006, sd_rad: 0.05}, "
+    "place: {sd_m: 0.003, sd_rad: 0.03}}"
+)
 GREEN = Path(__file__).parent.parent / "scenarios" / "sim1_green.yaml"
 
 
@@ -62,3 +71,34 @@ def test_only_a_search_that_stopped_at_its_limit_is_said_to_have() -> None:
 def test_a_relation_that_nothing_can_tell_is_refused(conjunct: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         prepare(GREEN, [f"goal={conjunct}"], world="symbolic")
+
+
+# ---------------------------------------------------------------- odd scenarios
+
+
+def test_a_detector_that_is_believed_to_find_nothing_is_no_error() -> None:
+    model = MODEL.replace("found: 0.9", "found: 0.0")
+    end, _ = ended("exists o. B(Den(lambda x. Green(x), o), 0.9)", f"model={model}")
+    assert end.status in ("goal_achieved", "goal_unachievable", "limit_reached")
+
+
+def test_what_the_camera_is_believed_to_err_by_is_all_that_a_detection_knows_of_it() -> None:
+    spreads = []
+    for sd in ("0.003", "0.03"):
+        trace = Trace(recorded("sim1_green", 0, "symbolic", (f"model={MODEL}", f"noise.extrinsics.sd_m={sd}")))
+        seen = next(seen for seen in trace.of(Observation) if seen.detections)
+        spreads.append(seen.detections[0].covariance[0] ** 0.5)
+    assert spreads[0] == pytest.approx(spreads[1], abs=0.002)
+
+
+def test_what_a_thing_stands_on_does_not_depend_on_the_order_in_which_they_are_told() -> None:
+    rows = "{id: sodaC, type: {soda: 1.0}, like: world}, {id: table3, type: {table: 1.0}, like: world}"
+    setup = prepare(GREEN, [f"belief.objects=[{rows}]", "goal=KRD(sodaC)"], world="symbolic")
+    told = prior(setup.scenario, setup.types, 0, RobotState(right_arm=CARRY["right"], left_arm=CARRY["left"]))
+    assert [item.support for item in told.objects] == ["table3", None]
+
+
+def test_the_name_of_the_robots_own_place_is_refused() -> None:
+    rows = "{id: base, type: {soda: 1.0}, at: [1.0, 0.0, 0.0]}"
+    with pytest.raises(InputError, match="'base' is the robot's own"):
+        prepare(GREEN, [f"belief.objects=[{rows}]"], world="symbolic")

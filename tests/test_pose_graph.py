@@ -154,6 +154,20 @@ def test_rebuilt_graph_is_the_same_to_the_last_bit() -> None:
     assert again.joint(names).covariance.tobytes() == graph.joint(names).covariance.tobytes()
 
 
+@pytest.mark.parametrize(("sd_m", "sd_rad", "base_sd"), [(0.0, 0.05, 0.01), (0.0, 0.0, 0.5), (0.005, 0.5, 0.01)])
+def test_drives_without_a_look_are_followed_whatever_the_wheels_and_the_start_are_like(
+    sd_m: float, sd_rad: float, base_sd: float
+) -> None:
+    graph, draws = PoseGraph(EstimatorConfig()), Generator(PCG64(SeedSequence([0])))
+    graph.apply(began({"a": (1.0, 0.0, 0.0)}, base_sd=base_sd))
+    driven = (0.0, 0.0, 0.0)
+    for _ in range(40):
+        x, y, turn = (float(value) for value in draws.uniform(-3.0, 3.0, 3))
+        graph.apply(Moved(start_T_end=(x, y, turn), sd_m=sd_m, sd_rad=sd_rad))
+        driven = compose(driven, (x, y, turn))
+    assert graph.joint([BASE]).world_T_body[0][:2] == pytest.approx(driven[:2], abs=1e-6)
+
+
 def test_held_object_joint_agrees_with_its_relative_pose() -> None:
     graph = graph_of(random_log(3)[:8])
     joint = graph.joint((BASE, "can1", "can2"))

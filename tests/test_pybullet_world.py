@@ -266,7 +266,8 @@ def test_a_full_hand_picks_nothing_and_keeps_what_it_holds(make: Make) -> None:
 
 
 def test_an_empty_hand_places_nothing(make: Make) -> None:
-    assert make().do(Place(hand="left", approach=(), lower=(), retreat=(), carry=()))[0].status == "failed"
+    result, _ = make().do(Place(hand="left", approach=(), lower=(), retreat=(), carry=()))
+    assert (result.status, result.base_T_tool is None) == ("failed", False)
 
 
 # ---------------------------------------------------------------- driving
@@ -403,6 +404,15 @@ def test_a_disturbed_thing_stands_where_it_was_put(make: Make) -> None:
     session.world.disturb("can1", (0.9, 0.3, TABLE_M, 0.0))
     assert session.thing().world_T_object == pytest.approx((0.9, 0.3, TABLE_M, 0.0))
     assert session.thing().on == "table1"
+
+
+def test_a_disturbance_takes_a_thing_out_of_the_hand(make: Make) -> None:
+    session = make()
+    session.do(session.pick())
+    session.world.disturb("can1", (0.9, 0.3, TABLE_M, 0.0))
+    session.do(MoveBase(start_T_waypoint=((-0.2, 0.0, 0.0),)))
+    assert session.thing().world_T_object == pytest.approx((0.9, 0.3, TABLE_M, 0.0), abs=0.005)
+    assert (session.thing().on, session.thing().in_hand) == ("table1", None)
 
 
 def script(noise: NoiseModel = EXACT) -> str:

@@ -19,7 +19,16 @@ from skolem.reasoner.parser import goal_faults, parse_goal
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.relations import misused
 from skolem.reasoner.rulebook import Rulebook
-from skolem.sim.scenario import Document, Scenario, check, load_document, moves_before, prior, true_bodies
+from skolem.sim.scenario import (
+    Document,
+    Scenario,
+    believed_noise,
+    check,
+    load_document,
+    moves_before,
+    prior,
+    true_bodies,
+)
 from skolem.tools.mind import Mind
 from skolem.tools.planners import WorldKind, planner_of
 from skolem.tools.source import SOURCE_SHA256
@@ -334,13 +343,14 @@ class _Run:
         setup, types = self._setup, self._setup.types
         bodies, robot = true_bodies(setup.scenario, types), setup.scenario.robot
         base, noise = (robot.base.x, robot.base.y, robot.base.theta), setup.scenario.true_noise.message()
+        told = believed_noise(setup.scenario)
         if setup.world == "symbolic":
             from skolem.sim.symbolic import SymbolicWorld
 
-            return SymbolicWorld(types, bodies, base, robot.torso_m, noise, setup.seed)
+            return SymbolicWorld(types, bodies, base, robot.torso_m, noise, setup.seed, told)
         from skolem.sim.pybullet_world import PyBulletWorld
 
-        return PyBulletWorld(types, bodies, base, robot.torso_m, noise, setup.seed, self._record, setup.images)
+        return PyBulletWorld(types, bodies, base, robot.torso_m, noise, setup.seed, self._record, setup.images, told)
 
     def _record(self, topic: str, message: Protobuf) -> None:
         self._write(topic, message)
