@@ -52,6 +52,7 @@ from skolem.traces.errors import InternalError
 from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
 
 BASE = "base"
+INDETERMINATE = "Indeterminate linear system"  # as GTSAM says it
 EPOCHS = 1 << 20  # epochs of one anchor
 SETTLING_UPDATES = 2  # after each event: a sighting far from the mean moves it, and its covariance follows the mean
 
@@ -120,6 +121,7 @@ class PoseGraph:
     def __init__(self, config: EstimatorConfig) -> None:
         self._config = config
         self._start, self._log = empty(), list[Event]()  # the present is `_start` and then `_log`
+        self._is_robust = False  # whether the smoother factorises by QR
         self._now = self._start.copied()
 
     # ------------------------------------------------------------ change
@@ -131,21 +133,32 @@ class PoseGraph:
             InternalError: If the event does not fit the graph; it then leaves no trace.
         """
         try:
-            self._apply(event)
+            self._take(event)
         except (RuntimeError, KeyError) as error:
             self._replay(tuple(self._log))
             raise InternalError(f"event '{event.kind}' does not fit the pose graph: {error}") from error
-        self._keep(event)
 
     def rebuild(self, events: Iterable[Event]) -> None:
         """Forget everything and take in `events`."""
-        self._start = empty()
+        self._start, self._is_robust = empty(), False
         self._replay(events)
 
     def _replay(self, events: Iterable[Event]) -> None:
         self._now, self._log = self._start.copied(), []
         for event in events:
+            self._take(event)
+
+    def _take(self, event: Event) -> None:
+        """Take in an event and remember it; from the beginning by QR, once Cholesky is not up to it."""
+        try:
             self._apply(event)
+        except RuntimeError as error:
+            begun = self._start.robot is not None  # with a past that is summed up and cannot be taken in again
+            if self._is_robust or begun or INDETERMINATE not in str(error):
+                raise
+            self._start, self._is_robust = empty("QR"), True
+            self._replay((*self._log, event))
+        else:
             self._keep(event)
 
     def _keep(self, event: Event) -> None:

@@ -159,13 +159,19 @@ def test_drives_without_a_look_are_followed_whatever_the_wheels_and_the_start_ar
     sd_m: float, sd_rad: float, base_sd: float
 ) -> None:
     graph, draws = PoseGraph(EstimatorConfig()), Generator(PCG64(SeedSequence([0])))
-    graph.apply(began({"a": (1.0, 0.0, 0.0)}, base_sd=base_sd))
+    events: list[Event] = [began({"a": (1.0, 0.0, 0.0)}, base_sd=base_sd)]
     driven = (0.0, 0.0, 0.0)
     for _ in range(40):
         x, y, turn = (float(value) for value in draws.uniform(-3.0, 3.0, 3))
-        graph.apply(Moved(start_T_end=(x, y, turn), sd_m=sd_m, sd_rad=sd_rad))
+        events.append(Moved(start_T_end=(x, y, turn), sd_m=sd_m, sd_rad=sd_rad))
         driven = compose(driven, (x, y, turn))
+    for event in events:
+        graph.apply(event)
     assert graph.joint([BASE]).world_T_body[0][:2] == pytest.approx(driven[:2], abs=1e-6)
+    again = PoseGraph(EstimatorConfig())
+    again.rebuild(events)
+    assert again.joint([BASE, "a"]).world_T_body == graph.joint([BASE, "a"]).world_T_body
+    assert (again.joint([BASE, "a"]).covariance == graph.joint([BASE, "a"]).covariance).all()
 
 
 def test_held_object_joint_agrees_with_its_relative_pose() -> None:
