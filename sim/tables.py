@@ -27,7 +27,7 @@ MIN_EDGE_POINTS, MIN_EDGE_M = 12, 0.10
 SLACK_M = 0.03  # edges first located and seen extents may be off by so much
 EXTENT_QUANTILE = 0.01  # of the points on a top: fewer may be of other things that reach its height beside it
 EDGE_SD_M = 0.002  # of the place of an edge whose points lie dense; all points of an edge share its error
-GAP_SHARE = 1.0 / 6.0  # of the gap between rays that an edge may be off: the rows of pixels mostly cross it aslant
+GAP_PARTS = 6.0  # an edge is off by one of so many parts of the gap between rays: rows of pixels mostly cross it aslant
 UNKNOWN_SD = (0.5, 0.5, 1.0)  # m, m, rad: in a direction that no edge constrains
 MAX_EMPTY = 0.02  # share of a laid table, in seen points, through which rays may have passed
 MIN_LOG_LIKELIHOOD = -8.0
@@ -161,7 +161,7 @@ def _sides(top: Top, theta: float) -> list[Side]:
         length = float(np.ptp(points[on, 1 - axis]))
         beyond = float(np.mean(sign * (inside[:, axis] - at) > SLACK_M))
         if np.count_nonzero(on) >= MIN_EDGE_POINTS and length >= MIN_EDGE_M and beyond < EXTENT_QUANTILE:
-            sd = math.hypot(EDGE_SD_M, float(np.median(top.gap_m[on])) * GAP_SHARE)
+            sd = math.hypot(EDGE_SD_M, float(np.median(top.gap_m[on])) / GAP_PARTS)
             found.append(Side(axis, sign, at, top.edge[on], sd))
     return found
 
