@@ -13,15 +13,15 @@ import clingo
 from clingo import ast
 from clingo.ast import AST, ASTType
 
+from skolem.reasoner.parts import Atom, Signature, Statement
 from skolem.reasoner.questions import CLINGO_OPTIONS
 from skolem.reasoner.rule_files import RuleFile, explain, parse
 from skolem.reasoner.terms import Compound, Term, from_symbol
-from skolem.reasoner.validate import INPUT, OUTPUT, Signature, check, signatures
+from skolem.reasoner.validate import INPUT, OUTPUT, check
 from skolem.reasoner.vocabulary import WORD_FACTS, Place, Vocabulary, read_vocabulary
 from skolem.traces.errors import Fault, InternalError
 
 _ABOUT_NAMES: Final = re.compile(r"info: atom does not occur in any rule head")  # told by the check of names, better
-_WORD_FACT: Final = re.compile(rf"\b({'|'.join(WORD_FACTS)})\(")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,14 +56,19 @@ class Examined:
         faults: What is wrong, in no order.
         warnings: What is allowed but probably not meant.
         doubt: What may be missing because of the faults.
-        sources: Every file with the statements that are as they should be.
+        files: Every file with the statements that are as they should be.
     """
 
     vocabulary: Vocabulary
     faults: tuple[Fault, ...]
     warnings: tuple[Fault, ...]
     doubt: Doubt
-    sources: Sequence[tuple[RuleFile, Sequence[AST]]] = field(repr=False)
+    files: Sequence[tuple[RuleFile, Sequence[Statement]]] = field(repr=False)
+
+    @property
+    def sources(self) -> tuple[tuple[RuleFile, Sequence[AST]], ...]:
+        """Every file with the syntax trees of these statements."""
+        return tuple((file, tuple(s.tree for s in statements)) for file, statements in self.files)
 
 
 def examine(sources: Sequence[RuleFile], queries_type: type, complete: bool = True) -> Examined:
@@ -74,12 +79,16 @@ def examine(sources: Sequence[RuleFile], queries_type: type, complete: bool = Tr
         queries_type: The class whose public methods are the @functions.
         complete: Whether these are all the files that are meant; if not, nothing is said of what is missing.
     """
-    parsed = [(file, *parse(file)) for file in sources]
-    faults = [fault for _, _, found in parsed for fault in found]
+    faults: list[Fault] = []
+    files: list[tuple[RuleFile, Sequence[Statement]]] = []
+    for file in sources:
+        trees, found = parse(file)
+        faults += found
+        files.append((file, [Statement.of(tree) for tree in trees]))
     whole = complete and not faults
-    checked = check([(file, statements) for file, statements, _ in parsed], queries_type, whole)
+    checked = check(files, queries_type, whole)
     faults += checked.faults
-    kept = [(file, [s for s in statements if s not in checked.refused]) for file, statements, _ in parsed]
+    kept = [(file, [s for s in statements if s not in checked.refused]) for file, statements in files]
     grounded, control = _grounded(kept, strict=whole and not faults)
     faults += grounded
     certain = whole and not checked.uncertain and not grounded
@@ -98,7 +107,7 @@ class _NoAnswers:
         return lambda *_: []
 
 
-_Files = Sequence[tuple[RuleFile, Sequence[AST]]]
+_Files = Sequence[tuple[RuleFile, Sequence[Statement]]]
 
 
 def _grounded(files: _Files, strict: bool) -> tuple[list[Fault], clingo.Control]:
@@ -124,19 +133,19 @@ def _grounded(files: _Files, strict: bool) -> tuple[list[Fault], clingo.Control]
         left = fewer
 
 
-def _concerns(faults: Iterable[Fault], file: RuleFile, statement: AST) -> bool:
+def _concerns(faults: Iterable[Fault], file: RuleFile, statement: Statement) -> bool:
     """Return whether a fault stands inside a statement."""
-    begin, end = statement.location.begin, statement.location.end
+    begin, end = statement.tree.location.begin, statement.tree.location.end
     first, last = (begin.line, begin.column), (end.line, end.column)
     return any(fault.file == file.title and first <= (fault.line, fault.column) <= last for fault in faults)
 
 
-def _facts_alone(statements: Iterable[AST], messages: list[str]) -> clingo.Control | None:
+def _facts_alone(statements: Iterable[Statement], messages: list[str]) -> clingo.Control | None:
     """Return the rules grounded without any question, None if that cannot be; clingo's words go to `messages`."""
     control = clingo.Control(list(CLINGO_OPTIONS), logger=lambda _code, text: messages.append(text), message_limit=100)
     with ast.ProgramBuilder(control) as builder:
         for statement in statements:
-            builder.add(statement)
+            builder.add(statement.tree)
         ast.parse_string("".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT)), builder.add)
     try:
         control.ground([("base", [])], context=_NoAnswers())
@@ -167,15 +176,12 @@ def _places(files: _Files) -> Mapping[str, Place]:
     found: dict[str, Place] = {}
     for file, statements in files:
         for statement in statements:
-            if statement.ast_type is not ASTType.Rule:
-                continue
             head = statement.head
-            text = str(head)
-            if not _WORD_FACT.search(text):
-                continue  # text is far quicker to read than a tree
-            for name, arity in OUTPUT.intersection(signatures(head.atom)):
-                place = Place(*_begin(statement), file.fault, file.own, _arguments(head.atom.symbol))
-                found.setdefault(text.replace(" ", ""), place)
+            if not isinstance(head, Atom):
+                continue
+            for name, arity in OUTPUT.intersection(head.signatures):
+                place = Place(*_begin(statement.tree), file.fault, file.own, _arguments(head.place))
+                found.setdefault(head.text.replace(" ", ""), place)
                 found.setdefault(f"{name}/{arity}", place)
     return found
 

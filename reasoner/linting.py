@@ -15,11 +15,12 @@ from clingo.ast import AST, ASTType
 from skolem.reasoner.examination import Doubt, Examined
 from skolem.reasoner.fluent_kinds import ACTIVITIES, COMMANDS, FLUENTS, pattern, shape, sorted_pattern
 from skolem.reasoner.instances import title
+from skolem.reasoner.parts import Signature
 from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import ANY, Compound, Term
-from skolem.reasoner.validate import OUTPUT, Signature
+from skolem.reasoner.validate import OUTPUT
 from skolem.reasoner.vocabulary import Vocabulary
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import HANDS

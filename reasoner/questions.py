@@ -12,13 +12,15 @@ from typing import Final
 
 import clingo
 from clingo import ast
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
-from skolem.reasoner.numbering import PREFIX, numbered_rule, numbered_show
-from skolem.reasoner.packing import PACK, packable, packed
+from skolem.reasoner.loading import Line, Loaded
+from skolem.reasoner.numbering import PREFIX, Numbered, numbered_rule, numbered_show
+from skolem.reasoner.packing import PACK, Packable, packable, packed
+from skolem.reasoner.parts import Signature, Statement, without_pools
 from skolem.reasoner.shapes import Program, predicates, shape, shaped
 from skolem.reasoner.terms import Compound, Term, read_term, to_symbol
-from skolem.reasoner.validate import INPUT, Signature
+from skolem.reasoner.validate import INPUT
 from skolem.traces.errors import InternalError
 
 # One thread, a fixed seed, every message; two models are asked for to notice a second one.
@@ -52,22 +54,24 @@ class Solved:
 class Questions:
     """Some rule files, made ready to be asked."""
 
-    def __init__(self, statements: Sequence[AST]) -> None:
+    def __init__(self, statements: Sequence[Statement]) -> None:
         """Read statements that passed validation."""
-        shown_names = [s for s in statements if s.ast_type is ASTType.ShowSignature]
-        shown_terms = [s for s in statements if s.ast_type is ASTType.ShowTerm]
-        self._sources = [s for s in statements if s.ast_type is ASTType.Rule]
+        shown_names = [s for s in statements if s.kind is ASTType.ShowSignature]
+        shown_terms = [s for s in statements if s.kind is ASTType.ShowTerm]
+        self._sources = [rule for s in statements if s.kind is ASTType.Rule for rule in without_pools(s)]
         shapes = [shaped(rule) for rule in self._sources]
         self._program = Program(shapes)
         self._heads = [frozenset(head.signature for head in rule.heads) for rule in shapes]
         self._uses = [rule.uses for rule in shapes]
         self._numbered = _dependent(self._heads, self._uses)
         self._outputs = _shown(shown_names, shown_terms) or frozenset().union(*self._heads)
-        self._constants = {s.name: _Ready.of(s) for s in statements if s.ast_type is ASTType.Definition}
-        self._always = [_Ready.of(numbered_show(s, self._numbered)) for s in [*shown_names, *shown_terms]]
+        definitions = [s.tree for s in statements if s.kind is ASTType.Definition]
+        self._constants = {tree.name: Line(str(tree), tree) for tree in definitions}
+        shows = [*shown_names, *shown_terms]
+        self._always = [Line(numbered_show(s, self._numbered), s.tree) for s in shows]
         ends = self._numbered & self._outputs - frozenset().union(*self._uses)
         self._ends = frozenset((PREFIX + name, n + 1) for name, n in ends)
-        self._rules: dict[int, _Ready] = {}  # those that some question needed so far
+        self._rules: dict[int, Numbered | Packable] = {}  # those that some question needed so far
         self._needed = lru_cache(MEMORY)(self._find_needed)
         self._slice = lru_cache(MEMORY)(self._find_slice)
 
@@ -82,13 +86,14 @@ class Questions:
             InternalError: If a query fails or clingo stops.
         """
         solved = Solved([set() for _ in questions])
-        statements = self._slice(frozenset(frozenset(map(shape, facts)) for facts in questions))
-        if not statements:
+        loaded = self._slice(frozenset(frozenset(map(shape, facts)) for facts in questions))
+        if not loaded.statements:
             return solved
         options = [*CLINGO_OPTIONS, _UNDEFINED]
-        control = clingo.Control(options, logger=lambda _code, text: solved.messages.append(text), message_limit=100)
+        tell = solved.messages.append
+        control = clingo.Control(options, logger=lambda _code, text: tell(loaded.placed(text)), message_limit=100)
         with ast.ProgramBuilder(control) as builder:
-            for statement in statements:
+            for statement in loaded.statements:
                 builder.add(statement)
         with control.backend() as backend:
             for symbol in self._facts(questions):
@@ -107,32 +112,29 @@ class Questions:
         solved.ground_atoms += len(control.symbolic_atoms)
         return solved
 
-    def _find_slice(self, shapes: frozenset[frozenset[Term]]) -> list[AST]:
+    def _find_slice(self, shapes: frozenset[frozenset[Term]]) -> Loaded:
         """Return the statements that matter to questions of these shapes; none if nothing can follow."""
         asked = {(fact.name, len(fact.args)) for facts in shapes for fact in facts if isinstance(fact, Compound)}
         needed = sorted(frozenset().union(*map(self._needed, shapes)))
         if not needed and not asked & self._outputs:
-            return []
-        chosen = [self._ready(index) for index in needed]
-        constants = self._constants_in([*self._always, *chosen])
-        ready = [each.statement for each in (*self._always, *constants)]
-        rules = packed((each.statement, each.body) for each in chosen)
-        return [*ready, *rules]
+            return Loaded([])
+        lines = [*self._always, *packed(map(self._rule, needed))]
+        return Loaded([*self._constants_in(lines), *lines])
 
-    def _ready(self, index: int) -> "_Ready":
+    def _rule(self, index: int) -> Numbered | Packable:
         """Return a rule as it is loaded; made when it is needed first, since many never are."""
         if index not in self._rules:
             rule = numbered_rule(self._sources[index], self._numbered)
-            self._rules[index] = _Ready.of(rule, packable(rule, self._ends))
+            self._rules[index] = packable(rule, self._ends) or rule
         return self._rules[index]
 
-    def _constants_in(self, statements: Iterable["_Ready"]) -> list["_Ready"]:
+    def _constants_in(self, lines: Iterable[Line]) -> list[Line]:
         """Return the definitions of the constants that statements name, and of those that these are made of."""
-        found: dict[str, _Ready] = {}
-        waiting = list(statements)
+        found: dict[str, Line] = {}
+        waiting = list(lines)
         while waiting:
-            names = waiting.pop().words & self._constants.keys() - found.keys()
-            new = {name: self._constants[name] for name in sorted(names)}
+            words = set(_WORD.findall(waiting.pop().text))
+            new = {name: self._constants[name] for name in sorted(words & self._constants.keys() - found.keys())}
             found |= new
             waiting += new.values()
         return list(found.values())
@@ -157,29 +159,10 @@ def _numbered_fact(number: int, fact: Compound) -> clingo.Symbol:
     return clingo.Function(PREFIX + fact.name, [clingo.Number(number), *map(to_symbol, fact.args)])
 
 
-@dataclass(frozen=True, slots=True)
-class _Ready:
-    """A statement as it is loaded.
-
-    Attributes:
-        statement: Itself.
-        words: All words in it; among them are the constants that it names.
-        body: What it has in common with the rules that it can be joined with; empty if it cannot be.
-    """
-
-    statement: AST
-    words: frozenset[str]
-    body: str
-
-    @classmethod
-    def of(cls, statement: AST, body: str = "") -> "_Ready":
-        return cls(statement, frozenset(_WORD.findall(str(statement))), body)
-
-
-def _shown(names: Iterable[AST], terms: Iterable[AST]) -> frozenset[Signature]:
+def _shown(names: Iterable[Statement], terms: Iterable[Statement]) -> frozenset[Signature]:
     """Return the predicates that are shown; none if nothing says which."""
-    signatures = {(s.name, s.arity) for s in names if s.name}
-    shown = {signature for s in terms for element in s.body for signature in predicates(element)}
+    signatures = {(s.tree.name, s.tree.arity) for s in names if s.tree.name}
+    shown = {signature for s in terms for part in s.body for signature in predicates(part)}
     return frozenset(signatures | shown)
 
 

@@ -11,9 +11,10 @@ from typing import Final
 
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
+from skolem.reasoner.parts import Signature
 from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.terms import ANY, Compound, Term, from_symbol
-from skolem.reasoner.validate import INPUT, OUTPUT, Signature, signatures
+from skolem.reasoner.validate import INPUT, OUTPUT, signatures
 from skolem.traces.errors import Fault
 
 _DEEPEST: Final = 5  # deeper terms are cut off, so that there are finitely many

@@ -13,6 +13,7 @@ from clingo.ast import AST
 
 from skolem.reasoner.asking import Asked
 from skolem.reasoner.examination import examine
+from skolem.reasoner.parts import Statement
 from skolem.reasoner.questions import Question, Questions
 from skolem.reasoner.rule_files import RuleFile, explain
 from skolem.reasoner.terms import Compound, Term
@@ -77,7 +78,7 @@ class Rulebook:
     vocabulary: Vocabulary
     files: Mapping[str, bytes]
     warnings: tuple[Fault, ...]
-    _statements: Mapping[str, Sequence[AST]] = field(repr=False)
+    _statements: Mapping[str, Sequence[Statement]] = field(repr=False)
     _sources: Sequence[RuleFile] = field(repr=False)
     _ready: dict[tuple[str, ...], Questions] = field(default_factory=dict, repr=False)  # by the names of their files
 
@@ -106,7 +107,7 @@ class Rulebook:
         """
         examined = examine(sources, queries_type)
         _raise(examined.faults)
-        statements = {file.name: found for file, found in examined.sources}
+        statements = {file.name: found for file, found in examined.files}
         contents = {f"{file.name}.lp": file.content for file in sources}
         book = cls(examined.vocabulary, contents, examined.warnings, statements, sources)
         weakref.finalize(
@@ -116,8 +117,8 @@ class Rulebook:
 
     @property
     def sources(self) -> tuple[tuple[RuleFile, Sequence[AST]], ...]:
-        """Every rule file with its statements, in the order in which they are loaded."""
-        return tuple((file, self._statements[file.name]) for file in self._sources)
+        """Every rule file with the syntax trees of its statements, in the order in which they are loaded."""
+        return tuple((file, tuple(s.tree for s in self._statements[file.name])) for file in self._sources)
 
     @property
     def sha256(self) -> dict[str, str]:

@@ -7,19 +7,20 @@ comparisons, conditions, answers of queries) counts as true. So a rule that does
 cannot fire in answering it, and is left out without changing the answer.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from typing import Any, Final
+from typing import Final
 
-from clingo import SymbolType
-from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+from clingo.ast import AST, ASTType
 
+from skolem.reasoner import parts
+from skolem.reasoner.parts import Signature, Statement
 from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.reasoner.validate import WITHOUT_PREDICATES, children, signatures
 
-Signature = tuple[str, int]
 Atom = tuple[Term, ...]  # the arguments of an atom, as shapes
 
 _DEEPEST: Final = 6  # shapes are not told apart below
@@ -27,6 +28,7 @@ _MOST_SHAPES: Final = 64  # of one predicate; with more they are not told apart 
 _MEMORY: Final = 1 << 14  # terms whose shape is remembered
 _LEAF: Final = "leaf"  # the shape of constants and numbers
 _VARIABLE: Final = "$"  # variables of a rule are compounds of this name
+_BRACKETS: Final = re.compile(r"(?P<name>(?:_*[a-z][\w']*)?)\((?P<arguments>.*)\)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,58 +73,57 @@ def _cut(term: Term, depth: int) -> Term:
 # ---------------------------------------------------------------- reading rules
 
 
-def shaped(rule: AST) -> Shaped:
+def shaped(rule: Statement) -> Shaped:
     """Return a rule (one atom as its head) as far as shapes go."""
     body: list[tuple[Literal, ...]] = []
     equal: list[tuple[Term, Term]] = []
     uses: set[Signature] = set()
-    for element in rule.body:
-        if element.ast_type is not ASTType.Literal:
-            uses |= predicates(element)
-            continue
-        atom, positive = element.atom, element.sign == Sign.NoSign
-        kind = atom.ast_type
-        if kind is ASTType.SymbolicAtom and positive:
-            pool = _literals(atom)
-            uses |= {literal.signature for literal in pool}
-            body.append(pool)
-        elif kind is not ASTType.Comparison:
-            uses |= predicates(atom)
-        elif positive and len(guards := atom.guards) == 1 and guards[0].comparison == ComparisonOperator.Equal:
-            equal.append((_pattern(atom.term), _pattern(guards[0].term)))
-    return Shaped(_literals(rule.head.atom), tuple(body), tuple(equal), frozenset(uses))
+    for part in rule.body:
+        uses |= predicates(part)
+        match part:
+            case parts.Atom(sign=""):
+                body.append(_literals(part))
+            case parts.Comparison(sign="", operators=("=",)):
+                left, right = map(_pattern, part.terms)
+                equal.append((left, right))
+    assert isinstance(rule.head, parts.Atom), "a rule derives an atom"
+    return Shaped(_literals(rule.head), tuple(body), tuple(equal), frozenset(uses))
 
 
-def predicates(node: AST) -> set[Signature]:
+def predicates(part: parts.Part) -> set[Signature]:
     """Return every predicate that occurs in a part of a rule."""
+    match part:
+        case parts.Atom():
+            return set(part.signatures)
+        case parts.Nested():
+            return _inside(part.tree)
+    return set()
+
+
+def _inside(node: AST) -> set[Signature]:
     kind = node.ast_type
     if kind is ASTType.SymbolicAtom:
         return set(signatures(node))
     if kind in WITHOUT_PREDICATES:
         return set()
-    return {signature for inner in children(node, kind) for signature in predicates(inner)}
+    return {signature for inner in children(node, kind) for signature in _inside(inner)}
 
 
-def _literals(atom: AST) -> tuple[Literal, ...]:
-    symbol = atom.symbol
-    terms = symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]
-    patterns = [(term.name, tuple(map(_pattern, term.arguments))) for term in terms]
-    return tuple(Literal((name, len(args)), args) for name, args in patterns)
+def _literals(atom: parts.Atom) -> tuple[Literal, ...]:
+    return tuple(Literal((atom.name, len(terms)), tuple(map(_pattern, terms))) for terms in atom.pool)
 
 
-def _pattern(term: Any) -> Term:
+def _pattern(term: str) -> Term:
     """Return a term of a rule as a pattern; `any` for whatever shapes cannot tell."""
-    kind = term.ast_type
-    if kind is ASTType.Variable:
-        name = term.name
-        return ANY if name == "_" else Compound(_VARIABLE, (name,))
-    if kind is ASTType.SymbolicTerm:
-        symbol = term.symbol
-        if symbol.type is SymbolType.Function and (arguments := symbol.arguments):
-            return Compound(symbol.name, (ANY,) * len(arguments))
-    elif kind is ASTType.Function and (arguments := term.arguments) and not term.external:
-        return Compound(term.name, tuple(map(_pattern, arguments)))
-    return ANY
+    if parts.VARIABLE.fullmatch(term):
+        return Compound(_VARIABLE, (term,))
+    match = _BRACKETS.fullmatch(term)
+    if match is None:
+        return ANY
+    terms, *others = parts.split(match["arguments"])
+    if others or not terms or (not match["name"] and len(terms) == 1):
+        return ANY  # a pool, nothing, or something computed
+    return Compound(match["name"], tuple(map(_pattern, terms[:-1] if terms[-1] == "" else terms)))  # (X,) has one
 
 
 # ---------------------------------------------------------------- evaluating

@@ -10,16 +10,18 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from typing import Any, Final
+from typing import Final
 
 from clingo import SymbolType, ast
 from clingo.ast import AST, ASTType
 
+from skolem.reasoner.parts import Atom, Nested, Part, Signature, Statement
 from skolem.reasoner.rule_files import GREATEST, RuleFile
 from skolem.reasoner.vocabulary import WORD_FACTS
 from skolem.traces.errors import Fault
 
-Signature = tuple[str, int]
+_Place = Callable[[str], Fault]  # gives a message its place
+_At = Callable[[AST], _Place]
 
 INPUT: Final[frozenset[Signature]] = frozenset(
     {("goal", 1), ("posed", 1), ("open", 1), ("lambda", 3)}
@@ -82,11 +84,11 @@ class Checked:
     """
 
     faults: list[Fault]
-    refused: list[AST]
+    refused: list[Statement]
     uncertain: frozenset[Signature]
 
 
-def check(files: Sequence[tuple[RuleFile, Sequence[AST]]], queries_type: type, whole: bool = True) -> Checked:
+def check(files: Sequence[tuple[RuleFile, Sequence[Statement]]], queries_type: type, whole: bool = True) -> Checked:
     """Return every fault of statements; those of all files are judged together.
 
     Args:
@@ -94,7 +96,7 @@ def check(files: Sequence[tuple[RuleFile, Sequence[AST]]], queries_type: type, w
         queries_type: The class whose public methods are the @functions.
         whole: Whether every file could be parsed; if not, nothing is said of names that are not defined or not used.
     """
-    definitions = (s for _, statements in files for s in statements if s.ast_type is ASTType.Definition)
+    definitions = (s.tree for _, statements in files for s in statements if s.kind is ASTType.Definition)
     constants = {s.name: value for s in definitions if (value := constant_value(s.value, {})) is not None}
     seen = _Seen(constants, any(abs(value) > GREATEST for value in constants.values()))
     for file, statements in files:
@@ -137,7 +139,7 @@ class _Use:
     """A predicate in a body; `strict` under `not`, in an aggregate or in a condition."""
 
     signature: Signature
-    place: Callable[[str], Fault]
+    place: _Place
     strict: bool
 
 
@@ -150,55 +152,51 @@ class _Seen:
 
     constants: dict[str, int]
     large: bool
-    heads: list[tuple[Signature, Callable[[str], Fault]]] = field(default_factory=list)
+    heads: list[tuple[Signature, _Place]] = field(default_factory=list)
     uses: list[_Use] = field(default_factory=list)
-    calls: list[tuple[str, int, Callable[[str], Fault]]] = field(default_factory=list)
+    calls: list[tuple[str, int, _Place]] = field(default_factory=list)
     declared: set[Signature] = field(default_factory=set)
     shown: set[Signature] = field(default_factory=set)
     depends: dict[Signature, set[Signature]] = field(default_factory=dict)
     strict: list[tuple[Signature, _Use]] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
-    refused: list[AST] = field(default_factory=list)
+    refused: list[Statement] = field(default_factory=list)
     missing: set[Signature] = field(default_factory=set)  # what refused statements say something about
 
-    def read(self, file: RuleFile, statement: AST) -> None:
-        def at(node: Any) -> Callable[[str], Fault]:
+    def read(self, file: RuleFile, statement: Statement) -> None:
+        def at(node: AST) -> _Place:
             return lambda message: file.fault(node.location.begin.line, node.location.begin.column, message)
 
         before = len(self.faults)
         self._read(statement, at)
         if len(self.faults) > before:
             self.refused.append(statement)
-            about = statement.head if statement.ast_type is ASTType.Rule else statement
-            self.missing.update(use.signature for use in _uses(about, at, strict=False))
+            about = statement.tree if statement.head is None else statement.head.tree
+            self.missing.update(use.signature for use in _uses_inside(about, at, strict=False))
 
-    def _read(self, statement: AST, at: Callable[[Any], Callable[[str], Fault]]) -> None:
-        kind = statement.ast_type
-        if kind is ASTType.Program and statement.name == "base" and not statement.parameters:
+    def _read(self, statement: Statement, at: _At) -> None:
+        kind, tree, head = statement.kind, statement.tree, statement.head
+        if kind is ASTType.Program and tree.name == "base" and not tree.parameters:
             return
         if kind not in _ALLOWED:
-            self.faults.append(
-                at(statement)(f"{_NAMES.get(kind, str(kind))} is not allowed in a rule file; leave it out")
-            )
+            self.faults.append(at(tree)(f"{_NAMES.get(kind, str(kind))} is not allowed in a rule file; leave it out"))
             return
-        head = statement.head if kind is ASTType.Rule else None
-        body = tuple(statement.body) if kind in (ASTType.Rule, ASTType.ShowTerm) else ()
-        for part in (statement,) if head is None else (head, *body):
-            if self.large or _WORTH_A_LOOK.search(str(part)):
-                self._read_terms(part, at)
+        for part in (Nested(tree, str(tree)),) if head is None else (head, *statement.body):
+            if self.large or _WORTH_A_LOOK.search(part.text):
+                self._read_terms(part.tree, at)
         if kind is ASTType.Defined:
-            self.declared.add((statement.name, statement.arity))
+            self.declared.add((tree.name, tree.arity))
         elif kind is ASTType.ShowSignature:
-            self.shown.add((statement.name, statement.arity))
-            if statement.name:
-                self.uses.append(_Use((statement.name, statement.arity), at(statement), strict=False))
-        uses = [use for element in body for use in _uses(element, at, strict=False)]
+            self.shown.add((tree.name, tree.arity))
+            if tree.name:
+                self.uses.append(_Use((tree.name, tree.arity), at(tree), strict=False))
+        uses = [use for part in statement.body for use in _uses(part, at)]
         self.uses += uses
         if head is not None:
             self._read_head(head, at, uses)
 
-    def _read_terms(self, part: AST, at: Callable[[Any], Callable[[str], Fault]]) -> None:
-        for node, kind in _descend(part):
+    def _read_terms(self, part: AST, at: _At) -> None:
+        for node, kind in descend(part):
             if kind is ASTType.Function and node.external:
                 self.calls.append((node.name, len(node.arguments), at(node)))
             if kind is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
@@ -207,13 +205,13 @@ class _Seen:
             if value is not None and abs(value) > GREATEST:
                 self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
 
-    def _read_head(self, head: AST, at: Callable[[Any], Callable[[str], Fault]], uses: list[_Use]) -> None:
-        derived = _derived(head)
+    def _read_head(self, head: Part, at: _At, uses: list[_Use]) -> None:
+        derived = head.signatures if isinstance(head, Atom) and not head.sign else _derived(head.tree)
         if isinstance(derived, str):
-            self.faults.append(at(head)(derived))
+            self.faults.append(at(head.tree)(derived))
             return
         for signature in derived:
-            self.heads.append((signature, at(head)))
+            self.heads.append((signature, at(head.tree)))
             self.depends.setdefault(signature, set()).update(use.signature for use in uses)
             self.strict += [(signature, use) for use in uses if use.strict]
 
@@ -233,12 +231,12 @@ def _derived(head: AST) -> list[Signature] | str:
     return found or "a rule has one atom as its head: no comparison, no 'not', no '-'"
 
 
-def _descend(node: AST) -> Iterator[tuple[AST, ASTType]]:
+def descend(node: AST) -> Iterator[tuple[AST, ASTType]]:
     """Yield a node and everything inside it, each with its type."""
     kind = node.ast_type
     yield node, kind
     for inner in children(node, kind):
-        yield from _descend(inner)
+        yield from descend(inner)
 
 
 def children(node: AST, kind: ASTType) -> Iterator[AST]:
@@ -248,8 +246,16 @@ def children(node: AST, kind: ASTType) -> Iterator[AST]:
         yield from [child] if isinstance(child, AST) else child or ()
 
 
-def _uses(element: AST, at: Callable[[Any], Callable[[str], Fault]], strict: bool) -> Iterator[_Use]:
+def _uses(part: Part, at: _At) -> Iterator[_Use]:
     """Yield the predicates in one part of a body."""
+    if isinstance(part, Atom):
+        for signature in part.signatures:
+            yield _Use(signature, lambda message: at(part.place)(message), bool(part.sign))  # few faults, many places
+    elif isinstance(part, Nested):
+        yield from _uses_inside(part.tree, at, strict=False)
+
+
+def _uses_inside(element: AST, at: _At, strict: bool) -> Iterator[_Use]:
     kind = element.ast_type
     if kind is ASTType.SymbolicAtom:
         symbol = element.symbol
@@ -259,7 +265,7 @@ def _uses(element: AST, at: Callable[[Any], Callable[[str], Fault]], strict: boo
         strict = strict or kind in (ASTType.BodyAggregate, ASTType.Aggregate, ASTType.ConditionalLiteral)
         strict = strict or (kind is ASTType.Literal and bool(element.sign))
         for inner in children(element, kind):
-            yield from _uses(inner, at, strict)
+            yield from _uses_inside(inner, at, strict)
 
 
 def _check_calls(seen: _Seen, queries_type: type) -> Iterator[Fault]:

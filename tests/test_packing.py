@@ -3,30 +3,34 @@
 import clingo
 import pytest
 from clingo import ast
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
+from skolem.reasoner.numbering import PREFIX, Numbered, numbered_rule
 from skolem.reasoner.packing import PACK, packable, packed
+from skolem.reasoner.parts import Statement
 
-ENDS = frozenset({("_of_cost", 3), ("_of_needs", 3), ("_of_frees", 2)})
+ENDS = frozenset({("cost", 2), ("needs", 2), ("frees", 1)})
+NUMBERED = ENDS | {("step", 1), ("builds", 1), ("no", 2)}
 
 
-def rules(text: str) -> list[AST]:
-    found: list[AST] = []
-    ast.parse_string(text, found.append)
-    return [statement for statement in found if statement.ast_type is ASTType.Rule]
+def rules(text: str) -> list[Numbered]:
+    found: list[Statement] = []
+    ast.parse_string(text, lambda tree: found.append(Statement.of(tree)))
+    return [numbered_rule(statement, NUMBERED) for statement in found if statement.kind is ASTType.Rule]
 
 
 def joined(text: str) -> list[str]:
     """Return the rules that are left of some."""
-    left = packed((rule, packable(rule, ENDS)) for rule in rules(text))
-    return [str(statement) for statement in left if statement.ast_type is ASTType.Rule]
+    ends = frozenset((PREFIX + name, n + 1) for name, n in ENDS)
+    lines = [line.text for line in packed(packable(rule, ends) or rule for rule in rules(text))]
+    return [line for line in lines if not line.startswith("#show")]
 
 
 def test_rules_that_say_more_of_the_same_step_are_one_whatever_their_variables_are_called() -> None:
     text = """
-        _of_cost(N, S, 3)      :- _of_step(N, S), S = pick(H, O).
-        _of_needs(N, T, free(X)) :- _of_step(N, T), T = pick(X, Y).
-        _of_frees(N, S)        :- _of_step(N, S), S = pick(A, B).
+        cost(S, 3)        :- step(S), S = pick(H, O).
+        needs(T, free(X)) :- step(T), T = pick(X, Y).
+        frees(S)          :- step(S), S = pick(A, B).
     """
     (rule,) = joined(text)
     assert rule.startswith(f"{PACK}(V0,cost(V1,3),needs(V1,free(V2)),frees(V1)) :- ")
@@ -35,30 +39,36 @@ def test_rules_that_say_more_of_the_same_step_are_one_whatever_their_variables_a
 @pytest.mark.parametrize(
     "other",
     [
-        "_of_needs(N,S,free(O)) :- _of_step(N,S); S = place(O,H).",
-        "_of_needs(N,S,free(O)) :- _of_step(N,S); S = pick(H,O); O != o1.",
-        "_of_builds(N,S) :- _of_step(N,S); S = pick(H,O).",
-        "_of_needs(N,S,(C+1)) :- _of_step(N,S); S = pick(H,C).",
-        "_of_needs(N,S,@ask(O)) :- _of_step(N,S); S = pick(H,O).",
-        "_of_needs(N,S,(a;b)) :- _of_step(N,S); S = pick(H,O).",
-        "_of_needs(N,S,0) :- _of_step(N,S); S = pick(H,O); 1 <= #count { X: _of_step(N,X) }.",
+        "needs(S,free(O)) :- step(S); S = place(O,H).",
+        "needs(S,free(O)) :- step(S); S = pick(H,O); O != o1.",
+        "builds(S) :- step(S); S = pick(H,O).",
+        "needs(S,(C+1)) :- step(S); S = pick(H,C).",
+        "needs(S,-C) :- step(S); S = pick(H,C).",
+        "needs(S,@ask(O)) :- step(S); S = pick(H,O).",
+        "needs(S,(a;b)) :- step(S); S = pick(H,O).",
+        "needs(S,(1..2)) :- step(S); S = pick(H,O).",
+        "needs(S,0) :- step(S); S = pick(H,O); 1 <= #count { X: step(X) }.",
     ],
-    ids=["another body", "a longer body", "what rules build on", "a sum", "a query", "a pool", "an aggregate"],
+    ids=["body", "longer body", "what rules build on", "sum", "minus", "query", "pool", "interval", "aggregate"],
 )
 def test_a_rule_that_says_something_else_or_computes_stays_by_itself(other: str) -> None:
-    left = joined(f"_of_cost(N,S,3) :- _of_step(N,S); S = pick(H,O). {other}")
+    left = joined(f"cost(S,3) :- step(S); S = pick(H,O). {other}")
     assert len(left) == 2
     assert not any(PACK in rule for rule in left)
 
 
+def test_a_negative_number_is_not_computed() -> None:
+    assert len(joined("cost(S,-3) :- step(S). needs(S,f(-3,0)) :- step(S).")) == 1
+
+
 def test_what_follows_from_packed_rules_is_what_followed_from_each() -> None:
     text = """
-        _of_cost(N, S, 3) :- _of_step(N, S), S = pick(H, O), not _of_no(N, O, _).
-        _of_needs(N, S, H) :- _of_step(N, S), S = pick(H, O), not _of_no(N, O, _).
-        _of_frees(N, H) :- _of_step(N, S), S = pick(H, O), not _of_no(N, O, _).
+        cost(S, 3) :- step(S), S = pick(H, O), not no(O, _).
+        needs(S, H) :- step(S), S = pick(H, O), not no(O, _).
+        frees(H) :- step(S), S = pick(H, O), not no(O, _).
     """
     facts = "_of_step(0, pick(a, b)). _of_step(0, pick(a, c)). _of_step(1, pick(d, c)). _of_no(0, c, why)."
-    plain, packs = (solved(facts, some) for some in (rules(text), packed((r, packable(r, ENDS)) for r in rules(text))))
+    plain, packs = (solved(facts, some) for some in (list(map(str, rules(text))), joined(text)))
     apart = {
         clingo.Function(f"_of_{said.name}", [pack.arguments[0], *said.arguments])
         for pack in packs
@@ -69,12 +79,8 @@ def test_what_follows_from_packed_rules_is_what_followed_from_each() -> None:
     assert len(apart) == 6
 
 
-def solved(facts: str, statements: list[AST]) -> list[clingo.Symbol]:
+def solved(facts: str, lines: list[str]) -> list[clingo.Symbol]:
     control = clingo.Control(["--warn=none"])
-    with ast.ProgramBuilder(control) as builder:
-        ast.parse_string(facts, builder.add)
-        for statement in statements:
-            if statement.ast_type is ASTType.Rule:
-                builder.add(statement)
+    control.add("base", [], "\n".join([facts, *lines]))
     control.ground([("base", [])])
     return [atom.symbol for atom in control.symbolic_atoms]

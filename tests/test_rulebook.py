@@ -71,6 +71,17 @@ def test_an_unnamed_variable_means_any_value_also_under_not_and_inside_a_count(t
     assert answers.atoms[1] == {"some": [("z",)], "none": [("z",)], "n": [("z", 1)], "w": [("z", 3)]}
 
 
+def test_a_count_may_be_all_that_a_rule_asks(tmp_path: Path) -> None:
+    book = own_rules(tmp_path, "n(C) :- C = #count { X : m(X) }. m(X) :- goal(krd(X)). #show n/1.")
+    questions = [tuple(parse_term(f"goal(krd({name}))") for name in names) for names in ("a", "ab")]
+    assert [atoms["n"] for atoms in book.solve_each(questions, Asked(None), ["own"]).atoms] == [[(1,)], [(2,)]]
+
+
+def test_classical_negation_of_what_is_declared_holds_of_nothing(tmp_path: Path) -> None:
+    book = own_rules(tmp_path, "#defined -bad/1. m(X) :- goal(krd(X)), not -bad(X). #show m/1.")
+    assert book.solve([parse_term("goal(krd(a))")], None, ["own"]).atoms == {"m": [("a",)]}
+
+
 def test_rules_ask_queries_in_terms(tmp_path: Path) -> None:
     class Scales:
         def mass(self, anchor: Term) -> Term:

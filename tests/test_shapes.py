@@ -4,6 +4,7 @@ import pytest
 from clingo import ast
 from clingo.ast import AST, ASTType
 
+from skolem.reasoner.parts import Statement
 from skolem.reasoner.shapes import Program, shape, shaped
 from skolem.reasoner.terms import Compound, parse_term
 
@@ -18,7 +19,7 @@ def fired(text: str, *facts: str) -> list[str]:
     """Return the heads of the rules that fire over the shapes of facts."""
     statements = rules(text)
     shapes = [shape(parse_term(fact)) for fact in facts]
-    program = Program([shaped(rule) for rule in statements])
+    program = Program([shaped(Statement.of(rule)) for rule in statements])
     atoms = [fact for fact in shapes if isinstance(fact, Compound)]
     return [str(statements[index].head) for index in sorted(program.fired(atoms))]
 
@@ -55,7 +56,7 @@ def test_a_variable_that_occurs_twice_must_have_one_shape() -> None:
 
 def test_rules_that_nothing_shown_depends_on_are_not_needed() -> None:
     statements = rules("p(X) :- goal(X). q(X) :- p(X), not r(X). r(X) :- p(X). s(X) :- q(X).")
-    program = Program([shaped(rule) for rule in statements])
+    program = Program([shaped(Statement.of(rule)) for rule in statements])
     every = range(len(statements))
     assert program.needed(every, [("q", 1)]) == {0, 1, 2}
     assert program.needed(every, [("p", 1)]) == {0}

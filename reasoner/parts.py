@@ -1,0 +1,161 @@
+"""Statements of rule files in parts, read from the text that clingo prints of them.
+
+Of a syntax tree one asks for every node by itself, which takes a hundred times as long as having a part printed; and
+what is printed is regular. An atom is a name with arguments in brackets; only operators of comparisons have spaces on
+both sides; what is computed stands in brackets of its own. Aggregates, conditions and texts are left to their trees.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from clingo.ast import AST, ASTType
+
+VARIABLE: Final = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
+ANONYMOUS: Final = re.compile(r"(?<![\w'])_(?![\w'])")
+_ATOM: Final = re.compile(r"(?P<sign>(?:not )*)(?P<name>_*[a-z][\w']*)(?:\((?P<arguments>.*)\))?")
+_COMPARED: Final = re.compile(r" (=|!=|<|<=|>|>=) ")
+_LEFT_TO_TREES: Final = re.compile(r'["{&]')
+_NOT: Final = "not "
+_WITH_BODY: Final = (ASTType.Rule, ASTType.ShowTerm)
+_MARK: Final = re.compile(r"[(),;]")
+
+Signature = tuple[str, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Atom:
+    """A predicate with arguments, or several of the same name if it is a pool.
+
+    Attributes:
+        tree: Its literal.
+        text: As clingo prints it.
+        sign: `not `, twice or once or not at all.
+        name: Its predicate.
+        pool: The arguments; of a pool, of each atom in it.
+    """
+
+    tree: AST
+    text: str
+    sign: str
+    name: str
+    pool: tuple[tuple[str, ...], ...]
+
+    @property
+    def signatures(self) -> tuple[Signature, ...]:
+        """The predicates in it."""
+        return tuple((self.name, len(arguments)) for arguments in self.pool)
+
+    @property
+    def place(self) -> AST:
+        """What of it stands where faults are to point."""
+        symbol: AST = self.tree.atom.symbol
+        return symbol
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Comparison:
+    """Terms compared with each other.
+
+    Attributes:
+        tree: Its literal.
+        text: As clingo prints it.
+        sign: As of an atom.
+        terms: What is compared.
+        operators: What stands between the terms.
+    """
+
+    tree: AST
+    text: str
+    sign: str
+    terms: tuple[str, ...]
+    operators: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nested:
+    """Anything else: what has parts of its own, or is not allowed.
+
+    Attributes:
+        tree: Its syntax tree.
+        text: As clingo prints it.
+    """
+
+    tree: AST
+    text: str
+
+
+Part = Atom | Comparison | Nested
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Statement:
+    """A statement of a rule file.
+
+    Attributes:
+        tree: Its syntax tree.
+        kind: Of the tree.
+        head: What it derives; None if it is no rule.
+        body: On what it depends, of a rule or of terms that are shown.
+    """
+
+    tree: AST
+    kind: ASTType
+    head: Part | None
+    body: tuple[Part, ...]
+
+    @classmethod
+    def of(cls, tree: AST) -> "Statement":
+        """Return the statement with a syntax tree."""
+        kind = tree.ast_type
+        head = part_of(tree.head) if kind is ASTType.Rule else None
+        return cls(tree, kind, head, tuple(map(part_of, tree.body)) if kind in _WITH_BODY else ())
+
+
+def without_pools(rule: Statement) -> list[Statement]:
+    """Return the rules that a rule with pools of atoms stands for; another one is left as it is."""
+    pooled = any(isinstance(part, Atom) and len(part.pool) > 1 for part in (rule.head, *rule.body))
+    return [Statement.of(tree) for tree in rule.tree.unpool(condition=False)] if pooled else [rule]
+
+
+def part_of(tree: AST) -> Part:
+    """Return a head or an element of a body."""
+    text = str(tree)
+    if tree.ast_type is not ASTType.Literal or _LEFT_TO_TREES.search(text):
+        return Nested(tree, text)
+    said = _COMPARED.split(text)
+    if len(said) > 1:
+        first = said[0].removeprefix(_NOT).removeprefix(_NOT)
+        sign = text[: len(said[0]) - len(first)]
+        return Comparison(tree, text, sign, (first, *said[2::2]), tuple(said[1::2]))
+    match = _ATOM.fullmatch(text)
+    if match is None:
+        return Nested(tree, text)
+    pool = ((),) if match["arguments"] is None else tuple(map(tuple, split(match["arguments"])))
+    return Atom(tree, text, match["sign"], match["name"], pool)
+
+
+def split(text: str) -> Iterator[list[str]]:
+    """Yield the terms in the text between two brackets, those of each alternative of a pool by themselves."""
+    depth, begun = 0, 0
+    terms: list[str] = []
+    for mark in _MARK.finditer(text):
+        what, at = mark[0], mark.start()
+        if what == "(":
+            depth += 1
+        elif what == ")":
+            depth -= 1
+        elif not depth:
+            terms.append(text[begun:at])
+            begun = at + 1
+            if what == ";":
+                yield terms if terms != [""] else []
+                terms = []
+    terms.append(text[begun:])
+    yield terms if terms != [""] else []
+
+
+def atom_text(name: str, arguments: Sequence[str]) -> str:
+    """Return an atom as clingo prints it."""
+    return f"{name}({','.join(arguments)})" if arguments else name
