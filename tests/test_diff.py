@@ -88,6 +88,14 @@ def test_fields_are_counted_over_all_messages() -> None:
     assert compared(a, b).fields == {"/obs.x[]": 2}
 
 
+def test_fields_that_differ_as_often_are_listed_by_name() -> None:
+    names = ["seen", "anchors", "keys", "x", "base", "exists"]
+    one = said("/belief", **dict.fromkeys(names, 1.0))
+    other = said("/belief", **dict.fromkeys(names, 2.0))
+    found = compared([one, said("/belief", x=1.0)], [other, said("/belief", x=2.0)])
+    assert found.by_frequency() == [("/belief.x", 2), *((f"/belief.{name}", 1) for name in sorted({*names} - {"x"}))]
+
+
 def test_a_step_begins_with_a_belief() -> None:
     topics = ["/run/start", "/prior", "/belief", "/action", "/belief", "/run/end"]
     groups = [[m.topic for m in group] for group in by_step(said(topic) for topic in topics)]

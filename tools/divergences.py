@@ -12,7 +12,7 @@ def divergence_lines(comparison: Comparison) -> list[str]:
     lines = [line for divergence in comparison.divergences for line in divergence.lines()]
     if comparison.fields:
         lines.append("most frequent fields:")
-        lines += [f"{count:6}  {name}" for name, count in comparison.fields.most_common(MOST_FIELDS)]
+        lines += [f"{count:6}  {name}" for name, count in comparison.by_frequency()[:MOST_FIELDS]]
     if comparison.tolerated:
         lines.append(f"{comparison.tolerated} floats differ within tolerance")
     return lines
@@ -24,6 +24,6 @@ def comparison_fields(comparison: Comparison) -> dict[str, object]:
         "compared": dict(comparison.compared),
         "differing": dict(comparison.differing),
         "tolerated_floats": comparison.tolerated,
-        "fields": dict(comparison.fields.most_common()),
+        "fields": dict(comparison.by_frequency()),
         "divergences": [asdict(divergence) for divergence in comparison.divergences],
     }

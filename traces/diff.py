@@ -135,6 +135,10 @@ class Comparison:
         """Whether nothing differs."""
         return not self.divergences
 
+    def by_frequency(self) -> list[tuple[str, int]]:
+        """Return the fields that differ, the most frequent first, those that are as frequent by name."""
+        return sorted(self.fields.items(), key=lambda counted: (-counted[1], counted[0]))
+
     def add(self, step: int, expected: Sequence[Recorded], got: Sequence[Recorded]) -> bool:
         """Take in the messages of one step; return whether they agree."""
         self.compared.update(message.topic for message in expected)
