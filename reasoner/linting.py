@@ -5,25 +5,22 @@ arises, with its reason: `% allow CODE: why` in the comment above the rule.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Final
 
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from skolem.reasoner.examination import Doubt, Examined
-from skolem.reasoner.fluent_kinds import ACTIVITIES, COMMANDS, FLUENTS, pattern, shape, sorted_pattern
-from skolem.reasoner.instances import title
+from skolem.reasoner.fluent_kinds import COMMANDS, FLUENTS, pattern, shape, sorted_pattern
 from skolem.reasoner.parts import Signature
-from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.reasoner.validate import OUTPUT
 from skolem.reasoner.vocabulary import Vocabulary
-from skolem.traces.errors import Fault, InputError
-from skolem.traces.messages import HANDS
+from skolem.reasoner.wrong_rules import Files, Found, files_about_steps, wrong
+from skolem.traces.errors import Fault
 
 CODES: Final = {  # what may be allowed -> what it is about
     "unreachable": "a precondition that no operator and no inference rule brings about",
@@ -41,11 +38,7 @@ _TURNS_ON: Final[dict[str, frozenset[Signature]]] = {  # predicates of which a r
     "level_gap": frozenset({("precond", 3)}),
     "unobservable": frozenset({("result", 2), ("executes", 2), ("measures", 2)}) | OUTPUT,
 }
-NOT_A_FLUENT: Final = "not_a_fluent"  # never allowed: a run would stop at it
 _ALLOW: Final = re.compile(r"%\s*allow (?P<code>\w+): (?P<reason>\S.*)")
-_LEFT_OUT: Final = ("denote",)  # about descriptions, not about steps
-
-Files = Sequence[tuple[RuleFile, Sequence[AST]]]
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -54,7 +47,7 @@ class Finding:
 
     Attributes:
         fault: Where and what.
-        code: One of `CODES`, or `NOT_A_FLUENT`.
+        code: One of `CODES`, or `wrong_rules.NOT_A_FLUENT`.
         allowed: The reason given in the file for which it stands; empty if none is.
     """
 
@@ -69,34 +62,15 @@ def findings(rules: Rulebook | Examined) -> list[Finding]:
     Of rules with faults only what holds whatever is done about these.
     """
     doubt = rules.doubt if isinstance(rules, Examined) else Doubt()
-    files = _files(rules)
+    files = files_about_steps(rules)
     shapes = shapes_of(files, doubt.uncertain)
-    wrong = list(_wrong(shapes, files))
-    sources = [source for source, _, _ in wrong]
+    refused = list(wrong(shapes, files, None if doubt.words else rules.vocabulary))
+    sources = [source for source, _, _ in refused]
     doubtful = [*_unreachable(shapes), *_unused(shapes), *_steps(shapes)]
     doubtful += _unobservable(shapes, files, rules.vocabulary, doubt.words)
     sure = [finding for finding in doubtful if not doubt.about(_TURNS_ON[finding[1]])]
-    found = wrong + [finding for finding in sure if finding[0] not in sources]
+    found = refused + [finding for finding in sure if finding[0] not in sources]
     return sorted({Finding(source.fault(message), code, _allowance(source, code)) for source, code, message in found})
-
-
-def refuse_wrong(rulebook: Rulebook) -> None:
-    """Refuse rules at which a run would stop: about fluents that nothing answers, or commands nobody carries out.
-
-    Raises:
-        InputError: With each of these faults.
-    """
-    files = _files(rulebook)
-    faults = sorted({source.fault(message) for source, _, message in _wrong(shapes_of(files), files)})
-    if faults:
-        raise InputError(faults)
-
-
-def _files(rules: Rulebook | Examined) -> Files:
-    return [(file, found) for file, found in rules.sources if file.name not in _LEFT_OUT]
-
-
-_Found = Iterator[tuple[Source, str, str]]
 
 
 def _allowance(source: Source, code: str) -> str:
@@ -111,109 +85,16 @@ def _allowance(source: Source, code: str) -> str:
     return ""
 
 
-# ---------------------------------------------------------------- fluents and commands
-
-
-def _wrong(shapes: Shapes, files: Files) -> _Found:
-    """What would stop a run."""
-    yield from _strangers(shapes, files)
-    for name in ("cost", "precond"):
-        for args, source in _all(shapes, name, 3):
-            if args[2] != ANY and not (isinstance(args[2], int) and args[2] >= 0):
-                yield source, NOT_A_FLUENT, f"{name}/3 ends in a whole number from 0, found {args[2]}"
-    for (_, command), source in _all(shapes, "executes", 2):
-        if all(meet(command, pattern(known)) is None for known in COMMANDS):
-            yield source, NOT_A_FLUENT, f"the robot cannot carry out {title(command)}; there are: {', '.join(COMMANDS)}"
-
-
-def _known_commands(command: Term) -> list[Term]:
-    """Return the patterns of the commands that have the name of one."""
-    return [known for known in map(sorted_pattern, COMMANDS) if _functor(known) == _functor(command)]
-
-
-def _strangers(shapes: Shapes, files: Files) -> _Found:
-    """Fluents that neither the belief nor the geometry can answer."""
-    spelt = [text.replace("activity", activity) for text in FLUENTS for activity in ACTIVITIES]
-    evaluated = [pattern(text.replace("hand", hand)) for text in spelt for hand in HANDS]
-    spoken_of = [*map(pattern, FLUENTS), *evaluated]
-    used = [(source, args[1], evaluated) for args, source in _all(shapes, "precond", 3)]
-    for name in ("result", "destroys"):
-        used += [(source, args[1], spoken_of) for args, source in _all(shapes, name, 2)]
-    used += [(source, fluent, spoken_of) for args, source in _all(shapes, "mutex", 2) for fluent in args]
-    used += [(source, fluent, spoken_of) for source, fluent in _asked(files)]
-    for source, fluent, known in used:
-        if all(meet(_without_variables(fluent), other) is None for other in known):
-            message = "is not a fluent that the belief or the geometry can answer"
-            yield source, NOT_A_FLUENT, f"{_named(fluent)} {message}; {_instead(fluent)}"
-
-
-def _named(fluent: Term) -> str:
-    """Return a fluent as a fault names it: by its kind if that is what is wrong, as it is if not."""
-    return str(fluent) if _of_kind(fluent) else shape(fluent)
-
-
-def _instead(fluent: Term) -> str:
-    """Return what may have been meant."""
-    if alike := _of_kind(fluent):
-        sorts = {"activity": ACTIVITIES, "hand": HANDS}
-        spelt = [f"{sort} is {', '.join(names)}" for sort, names in sorts.items() if any(sort in a for a in alike)]
-        return "; ".join([f"expected {' or '.join(alike)}", *spelt])
-    names = sorted({shape(pattern(text)) for text in FLUENTS})
-    close = get_close_matches(shape(fluent), names, 1)
-    return f"did you mean {close[0]}?" if close else f"there are: {', '.join(names)}"
-
-
-def _of_kind(fluent: Term) -> list[str]:
-    """Return the fluents of the table that have the kind of this one."""
-    return [text for text in FLUENTS if shape(pattern(text)) == shape(fluent)]
-
-
-def _asked(files: Files) -> Iterator[tuple[Source, Term]]:
-    """Yield the fluents that bodies take from goal/1."""
-    for file, statements in files:
-        for statement in statements:
-            if statement.ast_type is not ASTType.Rule:
-                continue
-            for literal in statement.body:
-                atom = literal.atom.symbol if _is_goal(literal) else None
-                if atom is not None:
-                    yield Source.of(file, statement), written(atom.arguments[0])
-
-
-def _is_goal(literal: AST) -> bool:
-    if literal.ast_type is not ASTType.Literal or literal.atom.ast_type is not ASTType.SymbolicAtom:
-        return False
-    symbol = literal.atom.symbol
-    return bool(symbol.ast_type is ASTType.Function and (symbol.name, len(symbol.arguments)) == ("goal", 1))
-
-
-def written(node: AST) -> Term:
-    """Return a term as a pattern: names and functions as written, `any` for everything else."""
-    if node.ast_type is ASTType.Function and not node.external:
-        args = tuple(map(written, node.arguments))
-        return Compound(node.name, args) if args or not node.name else node.name
-    return str(node) if node.ast_type is ASTType.SymbolicTerm else ANY
-
-
-def _without_variables(term: Term) -> Term:
-    """Return a pattern of `mutex.lp` or `destroys/2` as the shapes know it."""
-    if not isinstance(term, Compound):
-        return term
-    if term.name in ("same", "other", "under"):
-        return ANY
-    return Compound(term.name, tuple(map(_without_variables, term.args)))
-
-
-def _unreachable(shapes: Shapes) -> _Found:
-    given = [args[1] for args, _ in _all(shapes, "result", 2)]
+def _unreachable(shapes: Shapes) -> Found:
+    given = [args[1] for args, _ in shapes.every("result", 2)]
     for source, fluents in _by_source(shapes, "precond", 3):
         if all(meet(fluent, other) is None for fluent in fluents for other in given):
             remedy = "it holds, or the step is not taken; let a step have it as its result"
             yield source, "unreachable", f"nothing brings about {_shapes(fluents)}: {remedy}"
 
 
-def _unused(shapes: Shapes) -> _Found:
-    wanted = [args[1] for args, _ in _all(shapes, "precond", 3)]
+def _unused(shapes: Shapes) -> Found:
+    wanted = [args[1] for args, _ in shapes.every("precond", 3)]
     wanted += [pattern(text) for text, (_, by_goal) in FLUENTS.items() if by_goal]
     for source, fluents in _by_source(shapes, "result", 2):
         if all(meet(fluent, other) is None for fluent in fluents for other in wanted):
@@ -225,7 +106,7 @@ def _by_source(shapes: Shapes, name: str, arity: int) -> Iterator[tuple[Source, 
     """Yield every rule of a predicate about fluents with all the shapes of fluent that it gives."""
     sources: list[Source] = []
     fluents: list[list[Term]] = []
-    for args, source in _all(shapes, name, arity):
+    for args, source in shapes.every(name, arity):
         if source not in sources:
             sources.append(source)
             fluents.append([])
@@ -240,16 +121,16 @@ def _shapes(fluents: Iterable[Term]) -> str:
 # ---------------------------------------------------------------- steps
 
 
-def _steps(shapes: Shapes) -> _Found:
-    results = {_functor(args[0]) for args, _ in _all(shapes, "result", 2)}
+def _steps(shapes: Shapes) -> Found:
+    results = {_functor(args[0]) for args, _ in shapes.every("result", 2)}
     places: dict[str, Source] = {}
-    for (step,), source in _all(shapes, "step", 1):
+    for (step,), source in shapes.every("step", 1):
         places.setdefault(_functor(step), source)
     for name, source in places.items():
         if name not in results and ANY not in (name, *results):
             remedy = f"state what it does by result(S, F) :- step(S), S = {_written(step)}, .."
             yield source, "without_result", f"{name} has no result: it is never taken; {remedy}"
-        levels = {args[2] for args, _ in _all(shapes, "precond", 3) if _functor(args[0]) in (name, ANY)}
+        levels = {args[2] for args, _ in shapes.every("precond", 3) if _functor(args[0]) in (name, ANY)}
         numbers = sorted(level for level in levels if isinstance(level, int))
         missing = sorted(set(range(numbers[0], numbers[-1])) - set(numbers)) if numbers else []
         if missing:
@@ -258,11 +139,11 @@ def _steps(shapes: Shapes) -> _Found:
     yield from _without_krd(shapes)
 
 
-def _without_krd(shapes: Shapes) -> _Found:
-    needed = [args for args, _ in _all(shapes, "precond", 3)]
+def _without_krd(shapes: Shapes) -> Found:
+    needed = [args for args, _ in shapes.every("precond", 3)]
     sure = {_functor(step) for step, fluent, level in needed if shape(fluent) == "krd" and level == 0}
     reported = set()
-    for (step, command), source in _all(shapes, "executes", 2):
+    for (step, command), source in shapes.every("executes", 2):
         name = _functor(step)
         on_object = any(isinstance(c, Compound) and "object" in c.args for c in _known_commands(command))
         if on_object and name not in reported and sure.isdisjoint((name, ANY)):
@@ -273,10 +154,10 @@ def _without_krd(shapes: Shapes) -> _Found:
 # ---------------------------------------------------------------- words
 
 
-def _unobservable(shapes: Shapes, files: Files, vocabulary: Vocabulary, incomplete: bool) -> _Found:
-    operators = {_functor(args[0]) for args, _ in _all(shapes, "executes", 2)}
-    seen = [fluent for (step, fluent), _ in _all(shapes, "result", 2) if _functor(step) in operators]
-    measured = [(args, source) for args, source in _all(shapes, "measures", 2)]
+def _unobservable(shapes: Shapes, files: Files, vocabulary: Vocabulary, incomplete: bool) -> Found:
+    operators = {_functor(args[0]) for args, _ in shapes.every("executes", 2)}
+    seen = [fluent for (step, fluent), _ in shapes.every("result", 2) if _functor(step) in operators]
+    measured = [(args, source) for args, source in shapes.every("measures", 2)]
     for (word, quantity), source in measured:
         if isinstance(quantity, str) and quantity != ANY and not any(_gives(fluent, quantity) for fluent in seen):
             fluent = "b(type(O, T), P)" if quantity == "type" else f"bn({quantity}(O), V, S, T, P)"
@@ -311,10 +192,9 @@ def _facts(files: Files, word: str) -> Iterator[Source]:
 # ---------------------------------------------------------------- reading the shapes
 
 
-def _all(shapes: Shapes, name: str, arity: int) -> Iterator[tuple[tuple[Term, ...], Source]]:
-    for args, sources in shapes.of(name, arity).items():
-        for source in sources:
-            yield args, source
+def _known_commands(command: Term) -> list[Term]:
+    """Return the patterns of the commands that have the name of one."""
+    return [known for known in map(sorted_pattern, COMMANDS) if _functor(known) == _functor(command)]
 
 
 def _written(term: Term) -> str:

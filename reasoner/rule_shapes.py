@@ -14,13 +14,14 @@ from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 from skolem.reasoner.parts import Signature
 from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.terms import ANY, Compound, Term, from_symbol
-from skolem.reasoner.validate import INPUT, OUTPUT, signatures
+from skolem.reasoner.validate import INPUT, OUTPUT, constant_value, signatures
 from skolem.traces.errors import Fault
 
 _DEEPEST: Final = 5  # deeper terms are cut off, so that there are finitely many
 _OPEN: Final = INPUT | OUTPUT  # what is given, and the words: anything may stand there
 
 Binding = dict[str, Term]
+Constants = Mapping[str, int | None]  # what `#const` names; None if it is no number that is written down
 Tuple = tuple[Term, ...]
 
 
@@ -69,6 +70,12 @@ class Shapes:
         """Return the patterns of a predicate."""
         return self.derived.get((name, arity), {})
 
+    def every(self, name: str, arity: int) -> Iterator[tuple[Tuple, Source]]:
+        """Yield every pattern of a predicate with each rule that gives it."""
+        for args, sources in self.of(name, arity).items():
+            for source in sources:
+                yield args, source
+
     def add(self, signature: Signature, found: Tuple, source: Source) -> bool:
         """Add a pattern; return whether anything is new."""
         sources = self.derived.setdefault(signature, {}).setdefault(found, [])
@@ -86,7 +93,8 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
         uncertain: Predicates of which rules may be missing: anything may stand there.
     """
     rules = [Source.of(file, s) for file, statements in files for s in statements if s.ast_type is ASTType.Rule]
-    constants = frozenset(s.name for _, found in files for s in found if s.ast_type is ASTType.Definition)
+    definitions = [s for _, found in files for s in found if s.ast_type is ASTType.Definition]
+    constants = {s.name: constant_value(s.value, {}) for s in definitions}
     needs = {source: set(_needed(source.statement)) for source in rules}
     shapes = Shapes(_OPEN | uncertain)
     due = rules
@@ -107,7 +115,7 @@ def _needed(rule: AST) -> Iterator[Signature]:
             yield from signatures(literal.atom)
 
 
-def _heads(rule: AST, shapes: Shapes, constants: frozenset[str]) -> Iterator[tuple[Signature, Tuple]]:
+def _heads(rule: AST, shapes: Shapes, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
     symbol = rule.head.atom.symbol
     terms = symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]
     for binding in bindings(rule.body, shapes, constants):
@@ -117,7 +125,7 @@ def _heads(rule: AST, shapes: Shapes, constants: frozenset[str]) -> Iterator[tup
                 yield (term.name, len(term.arguments)), tuple(_cut(arg, _DEEPEST) for arg in args)
 
 
-def bindings(body: Iterable[AST], shapes: Shapes, constants: frozenset[str]) -> list[Binding]:
+def bindings(body: Iterable[AST], shapes: Shapes, constants: Constants) -> list[Binding]:
     """Return what the variables of a body may stand for."""
     positive = [e for e in body if e.ast_type is ASTType.Literal and e.sign == Sign.NoSign]
     found: list[Binding] = [{}]
@@ -130,7 +138,7 @@ def bindings(body: Iterable[AST], shapes: Shapes, constants: frozenset[str]) -> 
     return found
 
 
-def _matched(atom: AST, binding: Binding, shapes: Shapes, constants: frozenset[str]) -> Iterator[Binding]:
+def _matched(atom: AST, binding: Binding, shapes: Shapes, constants: Constants) -> Iterator[Binding]:
     if atom.ast_type is not ASTType.Function:
         yield binding
         return
@@ -143,7 +151,7 @@ def _matched(atom: AST, binding: Binding, shapes: Shapes, constants: frozenset[s
             yield new
 
 
-def _compared(comparison: AST, binding: Binding, constants: frozenset[str]) -> Iterator[Binding]:
+def _compared(comparison: AST, binding: Binding, constants: Constants) -> Iterator[Binding]:
     """Follow `V = term`; any other comparison may hold."""
     guard = comparison.guards[0]
     left, right = comparison.term, guard.term
@@ -167,7 +175,7 @@ def _compared(comparison: AST, binding: Binding, constants: frozenset[str]) -> I
         yield binding | {left.name: value}
 
 
-def _bound(argument: AST, value: Term, binding: Binding, constants: frozenset[str]) -> Binding | None:
+def _bound(argument: AST, value: Term, binding: Binding, constants: Constants) -> Binding | None:
     """Match an argument with a pattern; None if they exclude each other."""
     if argument.ast_type is ASTType.Variable:
         if argument.name == "_":
@@ -187,12 +195,14 @@ def _bound(argument: AST, value: Term, binding: Binding, constants: frozenset[st
     return binding if any(meet(p, value) is not None for p in patterns) else None
 
 
-def _patterns(term: AST, binding: Binding, constants: frozenset[str]) -> Iterator[Term]:
+def _patterns(term: AST, binding: Binding, constants: Constants) -> Iterator[Term]:
     match term.ast_type:
         case ASTType.Variable:
             yield binding.get(term.name, ANY)
         case ASTType.SymbolicTerm:
-            yield ANY if str(term.symbol) in constants else from_symbol(term.symbol)
+            name = str(term.symbol)
+            value = constants[name] if name in constants else from_symbol(term.symbol)
+            yield ANY if value is None else value
         case ASTType.Pool:
             for each in term.arguments:
                 yield from _patterns(each, binding, constants)
@@ -203,7 +213,8 @@ def _patterns(term: AST, binding: Binding, constants: frozenset[str]) -> Iterato
             for args in choices:
                 yield Compound(term.name, args) if args or not term.name else term.name
         case _:
-            yield ANY
+            computed = constant_value(term, constants)
+            yield ANY if computed is None else computed
 
 
 def meet(a: Term, b: Term) -> Term | None:

@@ -120,7 +120,7 @@ def _signatures(symbol: AST) -> list[Signature]:
     return [(term.name, len(term.arguments)) for term in terms if term.ast_type is ASTType.Function]
 
 
-def constant_value(node: AST, constants: Mapping[str, int]) -> int | None:
+def constant_value(node: AST, constants: Mapping[str, int | None]) -> int | None:
     """Return the number that a term stands for in every belief, as it should be; None if there is none."""
     match node.ast_type:
         case ASTType.SymbolicTerm:
@@ -131,6 +131,9 @@ def constant_value(node: AST, constants: Mapping[str, int]) -> int | None:
         case ASTType.BinaryOperation if node.operator_type in _ARITHMETIC:
             left, right = constant_value(node.left, constants), constant_value(node.right, constants)
             return None if left is None or right is None else _ARITHMETIC[node.operator_type](left, right)
+        case ASTType.UnaryOperation if node.operator_type == ast.UnaryOperator.Minus:
+            value = constant_value(node.argument, constants)
+            return None if value is None else -value
     return None
 
 

@@ -90,8 +90,7 @@ def test_fields_are_counted_over_all_messages() -> None:
 
 def test_fields_that_differ_as_often_are_listed_by_name() -> None:
     names = ["seen", "anchors", "keys", "x", "base", "exists"]
-    one = said("/belief", **dict.fromkeys(names, 1.0))
-    other = said("/belief", **dict.fromkeys(names, 2.0))
+    one, other = (Recorded("/belief", 0, 0, json.dumps(dict.fromkeys(names, x)).encode()) for x in (1.0, 2.0))
     found = compared([one, said("/belief", x=1.0)], [other, said("/belief", x=2.0)])
     assert found.by_frequency() == [("/belief.x", 2), *((f"/belief.{name}", 1) for name in sorted({*names} - {"x"}))]
 

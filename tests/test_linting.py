@@ -7,11 +7,12 @@ import pytest
 from minds import Region, TableBelief, TableGeometry, Thing
 
 from skolem.reasoner.fluent_kinds import ACTIVITIES, FLUENTS
-from skolem.reasoner.linting import CODES, NOT_A_FLUENT, findings, refuse_wrong
+from skolem.reasoner.linting import CODES, findings
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import parse_term
+from skolem.reasoner.wrong_rules import NOT_A_FLUENT, refuse_wrong
 from skolem.traces.errors import InputError
 
 PUSH = """step(push(O)) :- goal(b(on(O, S), _)), @rigid(S) = 1.
@@ -52,6 +53,23 @@ def test_rules_that_fit_in_are_not_complained_of(tmp_path: Path) -> None:
         (PUSH + "precond(S, empty(middle), 1) :- step(S), S = push(O).", 5, NOT_A_FLUENT, "hand is right, left"),
         (PUSH + "precond(S, krd(O), first) :- step(S), S = push(O).", 5, NOT_A_FLUENT, "found first"),
         (PUSH + "cost(S, effort, high) :- step(S), S = push(O).", 5, NOT_A_FLUENT, "a whole number from 0, found high"),
+        (PUSH + "cost(S, effort, -3) :- step(S), S = push(_).", 5, NOT_A_FLUENT, "a whole number from 0, found -3"),
+        (PUSH + "cost(S, effort, x + 1) :- step(S), S = push(_).\n#const x = -2.", 5, NOT_A_FLUENT, "found -1"),
+        (PUSH + "cost(S, effort, x + 1) :- step(S), S = push(_).\n#const x = 2.", 0, "", ""),
+        (
+            PUSH + "precond(S, b(supposed(gren, O), 5), 0) :- step(S), S = push(O).",
+            5,
+            NOT_A_FLUENT,
+            "did you mean green?",
+        ),
+        (PUSH + "precond(S, b(type(O, cann), 5), 0) :- step(S), S = push(O).", 5, NOT_A_FLUENT, "did you mean can?"),
+        (
+            PUSH + "precond(S, b(holds((red, lite), O), 5), 0) :- step(S), S = push(O).",
+            5,
+            NOT_A_FLUENT,
+            "lite in b(holds",
+        ),
+        (PUSH + "precond(S, b(supposed(red, O), 5), 0) :- step(S), S = push(O).", 0, "", ""),
         (PUSH + "precond(S, b(exists_in(E, O), 5), 0) :- step(S), S = push(O), E = e1.", 5, "unreachable", "exists_in"),
         (PUSH + "result(S, b(supposed(K, O), 5)) :- step(S), S = push(O), type(K).", 0, "", ""),
         ("step(wipe(O)) :- goal(holding(O)).", 1, "without_result", "wipe has no result"),

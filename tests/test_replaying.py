@@ -33,7 +33,7 @@ COMMAND = "import sys; from skolem.tools.cli import main; sys.exit(main())"
 NOT_FOR_A_REPLAY = (  # each takes a while to import
     *("distributed", "foxglove_schemas_protobuf", "mcap_protobuf", "ompl", "pyarrow", "pybullet", "rerun", "rich"),
     *("ruamel", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "scipy.stats"),
-    *("skolem.reasoner.linting", "skolem.sim", "skolem.tools.session"),
+    *("skolem.reasoner.linting", "skolem.reasoner.wrong_rules", "skolem.sim", "skolem.tools.session"),
 )
 OTHER_MACHINES = (
     {"PYTHONHASHSEED": "7", "OPENBLAS_NUM_THREADS": "2"},

@@ -84,7 +84,7 @@ class Rulebooks:
                 hints = self._hints(error.faults, Overlay.of(attachments, replaced).kept if replaced else ())
                 raise InputError([*error.faults, *hints]) from error
             if replaced:
-                from skolem.reasoner.linting import refuse_wrong  # takes time, and other replays do without
+                from skolem.reasoner.wrong_rules import refuse_wrong  # takes time, and other replays do without
 
                 refuse_wrong(rulebook)
             self._known[key] = rulebook

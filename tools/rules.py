@@ -60,9 +60,10 @@ class Complaint:
 def _complaints(paths: Sequence[Path]) -> tuple[list[Complaint], bool]:
     """Return everything to say of rule files, by place, and whether that is all."""
     from skolem.reasoner.examination import examine
-    from skolem.reasoner.linting import NOT_A_FLUENT, findings
+    from skolem.reasoner.linting import findings
     from skolem.reasoner.queries import Queries
     from skolem.reasoner.rulebook import rule_files
+    from skolem.reasoner.wrong_rules import NOT_A_FLUENT
 
     try:
         sources, unread = rule_files(*_meant(paths))

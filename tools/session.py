@@ -14,11 +14,11 @@ from google.protobuf.message import Message as Protobuf
 
 from skolem.reasoner.agent import Turn
 from skolem.reasoner.expressions import Goal
-from skolem.reasoner.linting import refuse_wrong
 from skolem.reasoner.parser import goal_faults, parse_goal
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.relations import misused
 from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.wrong_rules import refuse_wrong
 from skolem.sim.scenario import (
     Document,
     Scenario,

@@ -1,0 +1,166 @@
+"""Rules at which a run would stop: about fluents that nothing answers, words without a meaning, unknown commands.
+
+All of it is found without a belief, on the shapes of `rule_shapes`.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from difflib import get_close_matches
+from typing import Final
+
+from clingo.ast import AST, ASTType
+
+from skolem.reasoner.examination import Examined
+from skolem.reasoner.fluent_kinds import ACTIVITIES, COMMANDS, FLUENTS, pattern, shape, sorted_pattern
+from skolem.reasoner.instances import title
+from skolem.reasoner.rule_files import RuleFile
+from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
+from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.terms import ANY, Compound, Term
+from skolem.reasoner.vocabulary import Vocabulary
+from skolem.traces.errors import InputError
+from skolem.traces.messages import HANDS
+
+NOT_A_FLUENT: Final = "not_a_fluent"  # the code of all of it; never allowed
+_ABOUT_DESCRIPTIONS: Final = ("denote",)
+
+Files = Sequence[tuple[RuleFile, Sequence[AST]]]
+Found = Iterator[tuple[Source, str, str]]  # a rule, the code of what is found in it, a message
+
+
+def refuse_wrong(rulebook: Rulebook) -> None:
+    """Refuse rules at which a run would stop.
+
+    Raises:
+        InputError: With each of these faults.
+    """
+    files = files_about_steps(rulebook)
+    found = wrong(shapes_of(files), files, rulebook.vocabulary)
+    faults = sorted({source.fault(message) for source, _, message in found})
+    if faults:
+        raise InputError(faults)
+
+
+def files_about_steps(rules: Rulebook | Examined) -> Files:
+    """Return the rule files but those that are about descriptions, each with its statements."""
+    return [(file, found) for file, found in rules.sources if file.name not in _ABOUT_DESCRIPTIONS]
+
+
+def wrong(shapes: Shapes, files: Files, vocabulary: Vocabulary | None) -> Found:
+    """Yield what would stop a run.
+
+    Args:
+        shapes: What the rules derive.
+        files: The rules.
+        vocabulary: What gives words their meaning; None if some of it is not known, then nothing is said of words.
+    """
+    spoken_of = list(_spoken_of(shapes, files))
+    yield from _strangers(spoken_of)
+    if vocabulary is not None:
+        yield from _unknown_words(((source, fluent) for source, fluent, _ in spoken_of), vocabulary)
+    for name in ("cost", "precond"):
+        for args, source in shapes.every(name, 3):
+            if args[2] != ANY and not (isinstance(args[2], int) and args[2] >= 0):
+                yield source, NOT_A_FLUENT, f"{name}/3 ends in a whole number from 0, found {args[2]}"
+    for (_, command), source in shapes.every("executes", 2):
+        if all(meet(command, pattern(known)) is None for known in COMMANDS):
+            yield source, NOT_A_FLUENT, f"the robot cannot carry out {title(command)}; there are: {', '.join(COMMANDS)}"
+
+
+def _spoken_of(shapes: Shapes, files: Files) -> Iterator[tuple[Source, Term, list[Term]]]:
+    """Yield every fluent in rules with the patterns of those that may stand there."""
+    spelt = [text.replace("activity", activity) for text in FLUENTS for activity in ACTIVITIES]
+    evaluated = [pattern(text.replace("hand", hand)) for text in spelt for hand in HANDS]
+    either = [*map(pattern, FLUENTS), *evaluated]
+    yield from ((source, args[1], evaluated) for args, source in shapes.every("precond", 3))
+    for name in ("result", "destroys"):
+        yield from ((source, args[1], either) for args, source in shapes.every(name, 2))
+    yield from ((source, fluent, either) for args, source in shapes.every("mutex", 2) for fluent in args)
+    yield from ((source, fluent, either) for source, fluent in _asked(files))
+
+
+def _strangers(spoken_of: Iterable[tuple[Source, Term, list[Term]]]) -> Found:
+    """Fluents that neither the belief nor the geometry can answer."""
+    for source, fluent, known in spoken_of:
+        if all(meet(_without_variables(fluent), other) is None for other in known):
+            message = "is not a fluent that the belief or the geometry can answer"
+            yield source, NOT_A_FLUENT, f"{_named(fluent)} {message}; {_instead(fluent)}"
+
+
+def _unknown_words(spoken_of: Iterable[tuple[Source, Term]], vocabulary: Vocabulary) -> Found:
+    """Words in fluents that have no meaning."""
+    known = sorted(vocabulary.meanings.keys() | vocabulary.types.keys())
+    for source, fluent in spoken_of:
+        for word in (word for text in _of_kind(fluent) for word in _words(sorted_pattern(text), fluent)):
+            if word not in known:
+                close = get_close_matches(word, known, 1)
+                remedy = f"did you mean {close[0]}?" if close else f"there are: {', '.join(known)}"
+                yield source, NOT_A_FLUENT, f"{word} in {fluent} has no meaning; {remedy}"
+
+
+def _words(place: Term, term: Term) -> Iterator[str]:
+    """Yield what stands where a pattern of `FLUENTS` has a word or properties."""
+    match place, term:
+        case "word", str() if term != ANY:
+            yield term
+        case "properties", Compound():
+            yield from (word for word in term.args if isinstance(word, str) and word != ANY)
+        case Compound(), Compound():
+            for inner, part in zip(place.args, term.args, strict=False):
+                yield from _words(inner, part)
+
+
+def _named(fluent: Term) -> str:
+    """Return a fluent as a fault names it: by its kind if that is what is wrong, as it is if not."""
+    return str(fluent) if _of_kind(fluent) else shape(fluent)
+
+
+def _instead(fluent: Term) -> str:
+    """Return what may have been meant."""
+    if alike := _of_kind(fluent):
+        sorts = {"activity": ACTIVITIES, "hand": HANDS}
+        spelt = [f"{sort} is {', '.join(names)}" for sort, names in sorts.items() if any(sort in a for a in alike)]
+        return "; ".join([f"expected {' or '.join(alike)}", *spelt])
+    names = sorted({shape(pattern(text)) for text in FLUENTS})
+    close = get_close_matches(shape(fluent), names, 1)
+    return f"did you mean {close[0]}?" if close else f"there are: {', '.join(names)}"
+
+
+def _of_kind(fluent: Term) -> list[str]:
+    """Return the fluents of the table that have the kind of this one."""
+    return [text for text in FLUENTS if shape(pattern(text)) == shape(fluent)]
+
+
+def _asked(files: Files) -> Iterator[tuple[Source, Term]]:
+    """Yield the fluents that bodies take from goal/1."""
+    for file, statements in files:
+        for statement in statements:
+            if statement.ast_type is not ASTType.Rule:
+                continue
+            for literal in statement.body:
+                atom = literal.atom.symbol if _is_goal(literal) else None
+                if atom is not None:
+                    yield Source.of(file, statement), written(atom.arguments[0])
+
+
+def _is_goal(literal: AST) -> bool:
+    if literal.ast_type is not ASTType.Literal or literal.atom.ast_type is not ASTType.SymbolicAtom:
+        return False
+    symbol = literal.atom.symbol
+    return bool(symbol.ast_type is ASTType.Function and (symbol.name, len(symbol.arguments)) == ("goal", 1))
+
+
+def written(node: AST) -> Term:
+    """Return a term as a pattern: names and functions as written, `any` for everything else."""
+    if node.ast_type is ASTType.Function and not node.external:
+        args = tuple(map(written, node.arguments))
+        return Compound(node.name, args) if args or not node.name else node.name
+    return str(node) if node.ast_type is ASTType.SymbolicTerm else ANY
+
+
+def _without_variables(term: Term) -> Term:
+    """Return a pattern of `mutex.lp` or `destroys/2` as the shapes know it."""
+    if not isinstance(term, Compound):
+        return term
+    if term.name in ("same", "other", "under"):
+        return ANY
+    return Compound(term.name, tuple(map(_without_variables, term.args)))
