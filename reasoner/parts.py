@@ -7,7 +7,7 @@ both sides; what is computed stands in brackets of its own. Aggregates, conditio
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from clingo.ast import AST, ASTType
@@ -17,6 +17,7 @@ ANONYMOUS: Final = re.compile(r"(?<![\w'])_(?![\w'])")
 _ATOM: Final = re.compile(r"(?P<sign>(?:not )*)(?P<name>_*[a-z][\w']*)(?:\((?P<arguments>.*)\))?")
 _COMPARED: Final = re.compile(r" (=|!=|<|<=|>|>=) ")
 _LEFT_TO_TREES: Final = re.compile(r'["{&]')
+_FUNCTION: Final = re.compile(r"(?P<name>(?:_*[a-z][\w']*)?)\((?P<arguments>.*)\)")
 _NOT: Final = "not "
 _WITH_BODY: Final = (ASTType.Rule, ASTType.ShowTerm)
 _MARK: Final = re.compile(r"[(),;]")
@@ -36,7 +37,7 @@ class Atom:
         pool: The arguments; of a pool, of each atom in it.
     """
 
-    tree: AST
+    tree: AST = field(repr=False)
     text: str
     sign: str
     name: str
@@ -66,7 +67,7 @@ class Comparison:
         operators: What stands between the terms.
     """
 
-    tree: AST
+    tree: AST = field(repr=False)
     text: str
     sign: str
     terms: tuple[str, ...]
@@ -82,7 +83,7 @@ class Nested:
         text: As clingo prints it.
     """
 
-    tree: AST
+    tree: AST = field(repr=False)
     text: str
 
 
@@ -100,7 +101,7 @@ class Statement:
         body: On what it depends, of a rule or of terms that are shown.
     """
 
-    tree: AST
+    tree: AST = field(repr=False)
     kind: ASTType
     head: Part | None
     body: tuple[Part, ...]
@@ -154,6 +155,17 @@ def split(text: str) -> Iterator[list[str]]:
                 terms = []
     terms.append(text[begun:])
     yield terms if terms != [""] else []
+
+
+def arguments_of(term: str) -> list[str] | None:
+    """Return the arguments of a function or tuple; None of any other term, of pools and of what is computed."""
+    match = _FUNCTION.fullmatch(term)
+    if match is None:
+        return None
+    terms, *others = split(match["arguments"])
+    if others or not terms or (not match["name"] and len(terms) == 1):
+        return None
+    return terms[:-1] if terms[-1] == "" else terms  # (X,) has one
 
 
 def atom_text(name: str, arguments: Sequence[str]) -> str:

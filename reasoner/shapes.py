@@ -7,7 +7,6 @@ comparisons, conditions, answers of queries) counts as true. So a rule that does
 cannot fire in answering it, and is left out without changing the answer.
 """
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -28,7 +27,6 @@ _MOST_SHAPES: Final = 64  # of one predicate; with more they are not told apart 
 _MEMORY: Final = 1 << 14  # terms whose shape is remembered
 _LEAF: Final = "leaf"  # the shape of constants and numbers
 _VARIABLE: Final = "$"  # variables of a rule are compounds of this name
-_BRACKETS: Final = re.compile(r"(?P<name>(?:_*[a-z][\w']*)?)\((?P<arguments>.*)\)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,13 +115,8 @@ def _pattern(term: str) -> Term:
     """Return a term of a rule as a pattern; `any` for whatever shapes cannot tell."""
     if parts.VARIABLE.fullmatch(term):
         return Compound(_VARIABLE, (term,))
-    match = _BRACKETS.fullmatch(term)
-    if match is None:
-        return ANY
-    terms, *others = parts.split(match["arguments"])
-    if others or not terms or (not match["name"] and len(terms) == 1):
-        return ANY  # a pool, nothing, or something computed
-    return Compound(match["name"], tuple(map(_pattern, terms[:-1] if terms[-1] == "" else terms)))  # (X,) has one
+    terms = parts.arguments_of(term)
+    return ANY if terms is None else Compound(term.partition("(")[0], tuple(map(_pattern, terms)))
 
 
 # ---------------------------------------------------------------- evaluating

@@ -1,7 +1,8 @@
 """What rule files may contain, checked on their syntax trees: every mistake with its place.
 
 Rules have exactly one answer set, by construction: facts and rules with one atom as head, no recursion through negation
-or an aggregate. What comes in and goes out is named; whatever else is used must be defined, and the other way round.
+or an aggregate, none that might go on without end. What comes in and goes out is named; whatever else is used must be
+defined, and the other way round.
 """
 
 import inspect
@@ -16,6 +17,7 @@ from clingo import SymbolType, ast
 from clingo.ast import AST, ASTType
 
 from skolem.reasoner.parts import Atom, Nested, Part, Signature, Statement
+from skolem.reasoner.recursion import endless
 from skolem.reasoner.rule_files import GREATEST, RuleFile
 from skolem.reasoner.vocabulary import WORD_FACTS
 from skolem.traces.errors import Fault
@@ -62,9 +64,10 @@ WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and the terms that stand 
         ASTType.Variable,
     }
 )
+_WIDEST: Final = 10_000
 # What the text of syntax shows of all that may be wrong with its terms: a @function, a text, a sum or product, a number
-# of ten digits. Most rules have none, and text is far quicker to read than a tree.
-_WORTH_A_LOOK: Final = re.compile(r'[-+*@"]|\d{10}')
+# of ten digits, an interval. Most rules have none, and text is far quicker to read than a tree.
+_WORTH_A_LOOK: Final = re.compile(r'[-+*@"]|\d{10}|\.\.')
 _PERHAPS_NUMBERS: Final = frozenset({ASTType.SymbolicTerm, ASTType.Function, ASTType.BinaryOperation})
 _ARITHMETIC: Final[dict[int, Callable[[int, int], int]]] = {
     ast.BinaryOperator.Plus: operator.add,
@@ -102,6 +105,7 @@ def check(files: Sequence[tuple[RuleFile, Sequence[Statement]]], queries_type: t
     for file, statements in files:
         for statement in statements:
             seen.read(file, statement)
+    seen.refuse_endless(files)
     names = _check_names(seen, whole)
     faults = [*seen.faults, *_check_calls(seen, queries_type), *names.faults, *_check_stratified(seen)]
     return Checked(faults, seen.refused, names.uncertain | seen.missing)
@@ -177,6 +181,20 @@ class _Seen:
             about = statement.tree if statement.head is None else statement.head.tree
             self.missing.update(use.signature for use in _uses_inside(about, at, strict=False))
 
+    def refuse_endless(self, files: Sequence[tuple[RuleFile, Sequence[Statement]]]) -> None:
+        """Refuse rules, of those that are not yet, of which grounding might never end: it must not be begun."""
+        rules = {
+            statement: file
+            for file, statements in files
+            for statement in statements
+            if isinstance(statement.head, Atom) and INPUT.isdisjoint(statement.head.signatures)
+        }
+        for rule, message in endless(rule for rule in rules if rule not in self.refused):
+            begin = rule.tree.location.begin
+            self.faults.append(rules[rule].fault(begin.line, begin.column, message))
+            self.refused.append(rule)
+            self.missing.update(signatures(rule.tree.head.atom))
+
     def _read(self, statement: Statement, at: _At) -> None:
         kind, tree, head = statement.kind, statement.tree, statement.head
         if kind is ASTType.Program and tree.name == "base" and not tree.parameters:
@@ -204,6 +222,12 @@ class _Seen:
                 self.calls.append((node.name, len(node.arguments), at(node)))
             if kind is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
                 self.faults.append(at(node)(f'{node} is a text; rules are written in constants: a_whim, not "a whim"'))
+            if kind is ASTType.Interval:
+                ends = [constant_value(end, self.constants) for end in (node.left, node.right)]
+                if ends[0] is not None and ends[1] is not None and ends[1] - ends[0] >= _WIDEST:
+                    self.faults.append(
+                        at(node)(f"{node} is more than {_WIDEST} numbers; bound it by something smaller")
+                    )
             value = constant_value(node, self.constants) if kind in _PERHAPS_NUMBERS else None
             if value is not None and abs(value) > GREATEST:
                 self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
