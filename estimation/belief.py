@@ -5,11 +5,14 @@ Changed by events alone; the same events give the same belief, to the last bit.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
 
 import numpy as np
 
 from skolem.estimation.acting import events_of
 from skolem.estimation.checks import check_prior
+from skolem.estimation.colour import ColourBelief
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Began, Consolidated, Event, Looked, Merged, Moved, Split, Weighed, canonical_order
 from skolem.estimation.extrinsics import expected_look
@@ -21,10 +24,18 @@ from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, Vector, raised, turned, upper
 from skolem.estimation.tracks import Track, Tracks
 from skolem.estimation.visibility import outline_radius
-from skolem.estimation.weight import GRAVITY
+from skolem.estimation.weight import GRAVITY, WeightBelief
 from skolem.traces import messages
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import HANDS, Hand, HsvVolume, Meaning, ObjectBelief, Pose2, Pose4, Quantity, TypeIs
+
+# Equal beliefs give equal answers, and one event leaves most objects as they were.
+_MEMORY: Final = 4096
+_colour_prob = lru_cache(_MEMORY)(ColourBelief.prob)
+_colour_favourable = lru_cache(_MEMORY)(ColourBelief.prob_favourable)
+_weight_prob = lru_cache(_MEMORY)(WeightBelief.prob)
+_weight_favourable = lru_cache(_MEMORY)(WeightBelief.prob_favourable)
+_weight_matched = lru_cache(_MEMORY)(WeightBelief.matched)
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +218,7 @@ class Belief:
         if quantity == "colour":
             return Gaussian(np.array(track.colour.mean), np.diag(track.colour.variance), track.exists)
         if quantity == "weight":
-            log_kg, variance = track.weight.matched()
+            log_kg, variance = _weight_matched(track.weight)
             return Gaussian(np.array([log_kg]), np.array([[variance]]), track.exists)
         raise InternalError(f"'{quantity}' is not a Gaussian quantity; those are: pose, colour, weight")
 
@@ -237,8 +248,8 @@ class Belief:
         if isinstance(meaning, TypeIs):
             return track.types.prob_favourable(meaning.type, p)
         if isinstance(meaning, HsvVolume):
-            return track.colour.prob_favourable(meaning, p)
-        return track.weight.prob_favourable(meaning, p)
+            return _colour_favourable(track.colour, meaning, p)
+        return _weight_favourable(track.weight, meaning, p)
 
     def _relation(self, a: str, b: str) -> tuple[Pose2, Matrix]:
         """Return mean and covariance of a_T_b; kept until the next event."""
@@ -269,7 +280,7 @@ class Belief:
 
     def _object(self, anchor: str, joint: Joint, index: int) -> ObjectBelief:
         track = self._tracks[anchor]
-        log_kg, variance = track.weight.matched()
+        log_kg, variance = _weight_matched(track.weight)
         stranger = self._tracks.stranger()
         return ObjectBelief(
             exists=track.exists,
@@ -306,5 +317,5 @@ def _prob(track: Track, meaning: Meaning) -> float:
     if isinstance(meaning, TypeIs):
         return track.types.prob(meaning.type)
     if isinstance(meaning, HsvVolume):
-        return track.colour.prob(meaning)
-    return track.weight.prob(meaning)
+        return _colour_prob(track.colour, meaning)
+    return _weight_prob(track.weight, meaning)
