@@ -7,7 +7,7 @@ Existence: b(R(c)) is the probability given that c exists. What a variable range
 Den(lambda x. e, c) is P(c exists) times the value of e, and `exists y. e` is Or over all c of P(c exists) times e.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from itertools import product
@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 from skolem.reasoner.expressions import And, Atom, Exists, Expression, Lambda, Or, argument_term, constant_of
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import Compound, Term, compound
-from skolem.reasoner.vocabulary import Vocabulary
+from skolem.reasoner.vocabulary import Vocabulary, comparison
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import Meaning, WeightInterval
+from skolem.traces.messages import Meaning
 
 MOST_ALTERNATIVES: Final = 32  # sets of properties kept per description, smallest first
-GRAMS_PER_KG: Final = 1000
 STRANGER: Final = "_new_"  # an object that nobody has met yet
 _NOTHING: Final = Compound("", ())
 
@@ -112,7 +111,7 @@ class Circuit:
     Attributes:
         variable: What the lambda binds.
         root: The value of its body.
-        props: Words of the properties said of the described object itself, sorted.
+        props: The properties said of the described object itself, by name, sorted.
     """
 
     variable: Term
@@ -136,8 +135,10 @@ def compile_description(description: Lambda, rulebook: Rulebook) -> Circuit:
         reasons = ", ".join(str(reason) for _, reason in atoms["bad"])
         raise InternalError(f"rules/denote.lp: {description} is not legal: {reasons}")
     axioms = {expression: node for expression, node in atoms["axiom"]}
-    props = tuple(sorted(str(word) for _, word in atoms.get("props", [])))
-    return Circuit(compound("var", description.variable), _node(body, axioms), props)
+    variable, root = compound("var", description.variable), _node(body, axioms)
+    props = {str(word) for _, word in atoms.get("props", [])}
+    props |= {comparison(*compared) for leaf in _leaves(root) if (compared := _compared(leaf, variable))}
+    return Circuit(variable, root, tuple(sorted(props)))
 
 
 def expression_term(expression: Expression) -> Term:
@@ -166,6 +167,25 @@ def _node(expression: Term, axioms: Mapping[Term, Term]) -> Node:
         case Compound("either_over", (variable, inner)):
             return EitherOver(compound("var", variable), _node(inner, axioms))
     raise InternalError(f"rules/denote.lp gives {axiom} for {expression}; expected a circuit node")
+
+
+def _leaves(node: Node) -> Iterator[Leaf]:
+    match node:
+        case Leaf():
+            yield node
+        case Product(left, right) | Either(left, right):
+            yield from _leaves(left)
+            yield from _leaves(right)
+        case EitherOver(_, inner):
+            yield from _leaves(inner)
+
+
+def _compared(leaf: Leaf, variable: Term) -> tuple[str, int] | None:
+    """Return relation and number, in thousandths, of a comparison of what a variable stands for; None if it is none."""
+    match leaf.args:
+        case (one, Compound("number", (int(thousandths),))) if one == variable:
+            return leaf.relation, thousandths
+    return None
 
 
 def _unpaired(pairs: Term) -> Iterable[Term]:
@@ -226,7 +246,7 @@ class _Beliefs:
             case (str(anchor), str(other)) if relation in words.near_m:
                 return self._belief.prob_near(anchor, other, words.near_m[relation]) if known else 0.0
             case (str(anchor), Compound("number", (int(thousandths),))) if relation in words.exceeds:
-                above = WeightInterval(at_least_kg=max(0.0, thousandths / GRAMS_PER_KG / 1000))
+                above = words.exceeding(relation, thousandths)
                 return self._belief.prob_property(anchor, above) if known else 0.0
         raise InternalError(f"{Compound(relation, args)} cannot be evaluated: no such relation of such arguments")
 
@@ -313,8 +333,7 @@ class WithStranger:
 def alternatives(circuit: Circuit) -> tuple[tuple[str, ...], ...]:
     """Return sets of properties of the described object, each enough to make its description true as far as they go.
 
-    Minimal sets, smallest first. Relations are left out: no observation of one object settles those to others, and what
-    compares a quantity with a number is judged by what is known, not examined.
+    Minimal sets, smallest first. Relations to others are left out: no observation of one object settles those.
     """
     return tuple(tuple(sorted(words)) for words in _alternatives(circuit.root, circuit) if words)
 
@@ -322,6 +341,9 @@ def alternatives(circuit: Circuit) -> tuple[tuple[str, ...], ...]:
 def _alternatives(node: Node, circuit: Circuit) -> list[frozenset[str]]:
     match node:
         case Leaf(relation, args):
+            compared = _compared(node, circuit.variable)
+            if compared is not None:
+                return [frozenset({comparison(*compared)})]
             return [frozenset({relation}) if args == (circuit.variable,) else frozenset()]
         case EitherOver(_, inner):
             return _alternatives(inner, circuit)
@@ -347,6 +369,7 @@ class Denotations:
 
     Attributes:
         circuits: By the constant of the description.
+        meanings: What properties mean, by name: the words, and what the descriptions compare with numbers.
         alternatives: By the constant of the description, as `alternatives` gives them.
     """
 
@@ -354,6 +377,14 @@ class Denotations:
         self.circuits = {name: compile_description(found, rulebook) for name, found in expressions.items()}
         self.alternatives = {name: alternatives(circuit) for name, circuit in self.circuits.items()}
         self._vocabulary = rulebook.vocabulary
+        compared = {
+            found
+            for circuit in self.circuits.values()
+            for leaf in _leaves(circuit.root)
+            if (found := _compared(leaf, circuit.variable))
+        }
+        own = {comparison(*found): self._vocabulary.exceeding(*found) for found in sorted(compared)}
+        self.meanings: Mapping[str, Meaning] = {**self._vocabulary.meanings, **own}
         self._version: int | None = None
         self._tables: dict[str, dict[str, float]] = {}
 
@@ -375,5 +406,4 @@ class Denotations:
 
     def conjuncts(self, expression: str, anchor: str, belief: GroundBeliefs) -> dict[str, float]:
         """Return the probability of each property that the description turns on: the parts of an explanation."""
-        meanings = self._vocabulary.meanings
-        return {word: belief.prob_property(anchor, meanings[word]) for word in self.circuits[expression].props}
+        return {name: belief.prob_property(anchor, self.meanings[name]) for name in self.circuits[expression].props}

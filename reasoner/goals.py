@@ -60,7 +60,7 @@ class PosedGoal:
             geometry,
             lambda expression, anchor: denotations.probability(expression, anchor, belief),
             lambda expression, region: denotations.probability_of_new(expression, region, belief),
-            rulebook.vocabulary.meanings,
+            denotations.meanings,
             fruitless_here,
         )
         queries = Queries(self.situation, denotations.alternatives)

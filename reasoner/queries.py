@@ -92,6 +92,11 @@ class Queries:
         """-ln P(the anchor has the property)."""
         return nll(self._now.prob_word(word, anchor))
 
+    def quantity(self, word: str) -> list[Term]:
+        """The quantity that a property is about: type, colour or weight."""
+        meaning = self._now.meanings.get(word)
+        return [] if meaning is None else [meaning.quantity]
+
     def favourable(self, word: str, anchor: str, p: int) -> Term:
         """-ln P(one observation lifts the belief in the property to the bound | the property is true).
 

@@ -24,6 +24,7 @@ WORD_FACTS: Final = {
     "near": 2,
     "exceeds": 2,
 }
+GRAMS_PER_KG: Final = 1000
 SHAPES: Final = ("box", "cylinder", "table")
 _ANOTHER: Final = "choose another word"
 _WORD: Final = re.compile(r"[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*")
@@ -78,6 +79,20 @@ class Vocabulary:
         """Return every relation word of the goal language with its number of arguments."""
         pairs = [word_of(word) for word in (*self.near_m, *self.exceeds)]
         return {word_of(word): 1 for word in self.meanings} | dict.fromkeys([*SPATIAL, *pairs], 2)
+
+    def exceeding(self, relation: str, thousandths: int) -> Meaning:
+        """Return the property of an object whose quantity exceeds a number (weight: grams), given in thousandths."""
+        match self.exceeds[relation]:
+            case "weight":
+                return WeightInterval(at_least_kg=max(0.0, thousandths / 1000 / GRAMS_PER_KG))
+            case quantity:
+                raise AssertionError(quantity)
+
+
+def comparison(relation: str, thousandths: int) -> str:
+    """Return what the property that a comparison with a number is is called: `heavier_than_400`, which is no word."""
+    number = f"{abs(thousandths) / 1000:.3f}".rstrip("0").rstrip(".").replace(".", "_")
+    return f"{relation}_{'minus_' if thousandths < 0 else ''}{number}"
 
 
 def read_vocabulary(

@@ -14,7 +14,7 @@ from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import compound
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import Meaning
+from skolem.traces.messages import Meaning, WeightInterval
 
 BOOK = Rulebook.load(Queries)
 WORDS = BOOK.vocabulary.words()
@@ -202,6 +202,11 @@ def test_axioms_of_one_conjunction_are_exactly_these() -> None:
 # ---------------------------------------------------------------- properties
 
 
+def two(*names: str) -> tuple[tuple[str, ...], tuple[tuple[str], ...]]:
+    """Return properties each of which is enough."""
+    return names, tuple((name,) for name in names)
+
+
 @pytest.mark.parametrize(
     ("text", "props", "sets"),
     [
@@ -217,6 +222,13 @@ def test_axioms_of_one_conjunction_are_exactly_these() -> None:
         ("lambda x. Green(x) & On(x, desk)", ("green",), (("green",),)),
         ("lambda x. Green(x) & exists y. (On(x, y) & Red(y))", ("green",), (("green",),)),
         ("lambda x. On(x, desk)", (), ()),
+        (
+            "lambda x. Soda(x) & HeavierThan(x, 400)",
+            ("heavier_than_400", "soda"),
+            (("heavier_than_400", "soda"),),
+        ),
+        ("lambda x. HeavierThan(x, 0.5) | HeavierThan(x, -3)", *two("heavier_than_0_5", "heavier_than_minus_3")),
+        ("lambda x. Soda(x) & exists y. (On(x, y) & HeavierThan(y, 400))", ("soda",), (("soda",),)),
     ],
 )
 def test_properties_that_a_description_turns_on(
@@ -230,6 +242,12 @@ def test_properties_that_a_description_turns_on(
 def test_conjuncts_are_the_parts_of_an_explanation() -> None:
     denotations = Denotations({"e1": described("lambda x. Green(x) & Soda(x)")}, BOOK)
     assert denotations.conjuncts("e1", "a", TWO) == {"green": 0.8, "soda": 0.5}
+
+
+def test_what_a_description_compares_with_a_number_is_a_property_of_its_own() -> None:
+    denotations = Denotations({"e1": described("lambda x. Soda(x) & HeavierThan(x, 400)")}, BOOK)
+    assert denotations.meanings["heavier_than_400"] == WeightInterval(at_least_kg=0.4)
+    assert denotations.meanings["heavy"] == BOOK.vocabulary.meanings["heavy"]
 
 
 # ---------------------------------------------------------------- cost

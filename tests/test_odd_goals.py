@@ -41,6 +41,19 @@ def test_of_alternatives_the_one_that_is_known_to_hold_is_pursued() -> None:
     assert actions <= 10  # a look and a weighing, with the drives; not every thing in the room
 
 
+def test_what_is_heavier_than_a_number_is_found_out_by_weighing() -> None:
+    goal = "goal=exists o. B(Den(lambda x. Soda(x) & HeavierThan(x, 450), o), 0.9)"
+    trace = Trace(recorded("sim2_heavy_soda", 0, "symbolic", (goal,)))
+    (end,) = trace.of(RunEnd)
+    assert (end.status, end.anchor) == ("goal_achieved", "sodaC")
+    assert [action.args[0] for action in trace.of(Action) if action.command.kind == "weigh"] == [
+        "sodaE",
+        "sodaB",
+        "sodaC",
+    ]
+    assert min(end.conjuncts["heavier_than_450"], end.conjuncts["soda"]) > 0.9
+
+
 def test_of_more_certainty_than_any_sensor_gives_the_robot_says_that_it_is_out_of_reach() -> None:
     end, _ = ended("exists o. B(Den(lambda x. Green(x) & Soda(x), o), 0.999999)")
     assert end.status == "goal_unachievable"

@@ -6,7 +6,8 @@ import pytest
 
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.vocabulary import Vocabulary
+from skolem.reasoner.vocabulary import Vocabulary, comparison
+from skolem.traces.errors import InputError
 from skolem.traces.messages import HsvVolume, ObjectType, TypeIs, WeightInterval
 
 
@@ -92,3 +93,18 @@ def test_rules_know_which_quantity_a_word_is_about(shipped: Rulebook) -> None:
 def test_words_are_sorted_whatever_the_order_of_facts(tmp_path: Path) -> None:
     vocabulary: Vocabulary = with_own(tmp_path, "weight(airy, 0, 1).").vocabulary
     assert list(vocabulary.meanings) == sorted(vocabulary.meanings)
+
+
+@pytest.mark.parametrize(
+    ("thousandths", "name"),
+    [
+        (400_000, "heavier_than_400"),
+        (500, "heavier_than_0_5"),
+        (-1_250, "heavier_than_minus_1_25"),
+        (0, "heavier_than_0"),
+    ],
+)
+def test_a_comparison_has_a_name_that_no_word_can_have(tmp_path: Path, thousandths: int, name: str) -> None:
+    assert comparison("heavier_than", thousandths) == name
+    with pytest.raises(InputError, match="expected a word in lower case"):
+        with_own(tmp_path, f"weight({name}, 1, any).")
