@@ -114,10 +114,10 @@ class Statement:
         return cls(tree, kind, head, tuple(map(part_of, tree.body)) if kind in _WITH_BODY else ())
 
 
-def without_pools(rule: Statement) -> list[Statement]:
-    """Return the rules that a rule with pools of atoms stands for; another one is left as it is."""
-    pooled = any(isinstance(part, Atom) and len(part.pool) > 1 for part in (rule.head, *rule.body))
-    return [Statement.of(tree) for tree in rule.tree.unpool(condition=False)] if pooled else [rule]
+def without_pools(statement: Statement) -> list[Statement]:
+    """Return the statements that one with pools of atoms stands for; another one is left as it is."""
+    pooled = any(isinstance(part, Atom) and len(part.pool) > 1 for part in (statement.head, *statement.body))
+    return [Statement.of(tree) for tree in statement.tree.unpool(condition=False)] if pooled else [statement]
 
 
 def part_of(tree: AST) -> Part:

@@ -67,7 +67,7 @@ class Questions:
         self._outputs = _shown(shown_names, shown_terms) or frozenset().union(*self._heads)
         definitions = [s.tree for s in statements if s.kind is ASTType.Definition]
         self._constants = {tree.name: Line(str(tree), tree) for tree in definitions}
-        shows = [*shown_names, *shown_terms]
+        shows = [*shown_names, *(each for s in shown_terms for each in without_pools(s))]
         self._always = [Line(numbered_show(s, self._numbered), s.tree) for s in shows]
         ends = self._numbered & self._outputs - frozenset().union(*self._uses)
         self._ends = frozenset((PREFIX + name, n + 1) for name, n in ends)

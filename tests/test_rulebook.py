@@ -77,6 +77,17 @@ def test_a_count_may_be_all_that_a_rule_asks(tmp_path: Path) -> None:
     assert [atoms["n"] for atoms in book.solve_each(questions, Asked(None), ["own"]).atoms] == [[(1,)], [(2,)]]
 
 
+def test_pools_may_stand_anywhere(tmp_path: Path) -> None:
+    rules = (
+        "m(O, f(O); a, O) :- goal(krd(O)). n(X) :- m(X, (O; f(O))), goal(krd(O)), not m(X; b, X). "
+        "#defined m/1. #show both(X) : n(X; X). #show m/2. #show (one(X); two(X)) : m(X, _)."
+    )
+    atoms = own_rules(tmp_path, rules).solve([parse_term("goal(krd(z))")], None, ["own"]).atoms
+    shown = {f"{name}({','.join(map(str, args))})" for name, found in atoms.items() for args in found}
+    one_and_two = {f"{name}({x})" for name in ("one", "two") for x in ("a", "z")}
+    assert shown == {"m(z,f(z))", "m(a,z)", "both(a)", "both(z)", *one_and_two}
+
+
 def test_classical_negation_of_what_is_declared_holds_of_nothing(tmp_path: Path) -> None:
     book = own_rules(tmp_path, "#defined -bad/1. m(X) :- goal(krd(X)), not -bad(X). #show m/1.")
     assert book.solve([parse_term("goal(krd(a))")], None, ["own"]).atoms == {"m": [("a",)]}
