@@ -368,6 +368,49 @@ def test_an_attachment_that_the_run_does_not_name_is_noticed(changed: Callable[.
     )
 
 
+@pytest.mark.parametrize("kind", [Attachment, Metadata])
+def test_nothing_that_the_run_was_made_of_may_be_said_twice(kind: type[object], changed: Callable[..., Flaw]) -> None:
+    def again(records: list[object]) -> list[object]:
+        return [*records, next(record for record in records if isinstance(record, kind))]
+
+    assert "is there twice, or after the first message" in changed(again).message
+
+
+@pytest.mark.parametrize(
+    "name", ["rules//tmp/x.lp", "rules/../x.lp", "rules/x.txt", "rules/.lp", "notes.txt", "rules/"]
+)
+def test_a_name_that_no_rule_file_has_is_noticed_though_the_start_of_the_run_says_it(
+    name: str, changed: Callable[..., Flaw]
+) -> None:
+    extra = Attachment(create_time=0, log_time=0, name=name, media_type="text/plain", data=b"")
+
+    def named(records: list[object]) -> list[object]:
+        start = next(r for r in records if isinstance(r, Message) and b'"rules_sha256"' in r.data)
+        values = json.loads(start.data)
+        values["rules_sha256"][name.removeprefix("rules/")] = "0" * 64
+        told = replace(start, data=canonical(values))
+        return [records[0], extra, *(told if record is start else record for record in records[1:])]
+
+    assert f"{name!r} is not the name of a rule file" in changed(named).message
+
+
+def test_an_end_that_counts_other_steps_is_noticed(changed: Callable[..., Flaw]) -> None:
+    def more(found: list[Message]) -> list[Message]:
+        end = replace(found[-1], data=re.sub(rb'"steps":\d+', b'"steps":99', found[-1].data))
+        return [*found[:-1], end]
+
+    assert "says that there were 99 steps, and there are" in changed(messages(more)).message
+
+
+@pytest.mark.parametrize(
+    "schema",
+    [b'{"$ref":"#/$defs/A","$defs":{"A":{"$ref":"#/$defs/A"}}}', b'{"$ref":"#/$defs/B"}'],
+)
+def test_a_schema_by_which_nothing_can_have_been_written_is_named(schema: bytes, changed: Callable[..., Flaw]) -> None:
+    flaw = changed(each(Schema, lambda s: replace(s, data=schema) if s.encoding == "jsonschema" else s))
+    assert "the schema of /run/start is none that a trace can have: " in flaw.message
+
+
 # ---------------------------------------------------------------- cost
 
 

@@ -109,10 +109,12 @@ def _read(files: Mapping[str, bytes], titles: Mapping[str, str]) -> Rulebook:
     order = [*(name for name in shipped if name in files), *sorted(files.keys() - set(shipped))]
     with tempfile.TemporaryDirectory() as folder:  # clingo reads files
         sources = []
-        for name in order:
-            path = Path(folder) / name
+        for number, name in enumerate(order):
+            path = Path(folder) / f"{number}.lp"  # whatever a trace says that a file is called, it is written here
             path.write_bytes(files[name])
-            sources.append(RuleFile(path.stem, titles[name], str(path), files[name], name not in shipped))
+            sources.append(
+                RuleFile(name.removesuffix(".lp"), titles[name], str(path), files[name], name not in shipped)
+            )
         try:
             return Rulebook.of(Queries, sources)
         except InputError as error:

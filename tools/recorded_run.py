@@ -1,5 +1,6 @@
 """A recorded run, as a replay reads it: what the robot was told, and step by step what it thought and met."""
 
+import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +11,7 @@ from skolem.traces.codec import NO_CHAIN, counter_of
 from skolem.traces.diff import by_step
 from skolem.traces.errors import TraceError
 from skolem.traces.known_fields import KnownFields
+from skolem.traces.made_of import digest, disagreements
 from skolem.traces.messages import (
     JSON_TOPICS,
     Action,
@@ -26,7 +28,7 @@ from skolem.traces.messages import (
     RunStart,
     canonical,
 )
-from skolem.traces.reader import Recorded, Trace
+from skolem.traces.reader import UNREADABLE, Recorded, Trace
 
 DECISIONS = tuple(topic for topic in JSON_TOPICS if counter_of(topic) == "decision")
 CUT_SHORT = ("error", "interrupted")  # ends that the recorder wrote, not the mind
@@ -104,7 +106,7 @@ class RecordedRun:
         """Open a trace.
 
         Raises:
-            TraceError: If it cannot be read, or does not begin as a run.
+            TraceError: If it cannot be read, does not begin as a run, or holds other files than its run had.
         """
         self.path = path
         self._trace = Trace(path)
@@ -115,9 +117,13 @@ class RecordedRun:
         start, told = found["/run/start"].message, found["/prior"].message
         assert isinstance(start, RunStart)
         assert isinstance(told, Prior)
+        check_made_of(self._trace, start)
         self.start, self.told, self.head = start, told, head
         schemas = self._trace.schemas
-        self._known = {topic: KnownFields(schemas[topic]) for topic in DECISIONS if topic in schemas}
+        try:
+            self._known = {topic: KnownFields(schemas[topic]) for topic in DECISIONS if topic in schemas}
+        except ValueError as error:
+            raise TraceError(f"{path}: the schema of a topic is no JSON Schema; {UNREADABLE}") from error
 
     @property
     def attachments(self) -> dict[str, bytes]:
@@ -141,7 +147,12 @@ class RecordedRun:
             return None
         values = message.model_dump(mode="json")
         written = canonical(values)
-        return written if written in held else canonical(self._known[topic].of(values))
+        if written in held:
+            return written
+        try:
+            return canonical(self._known[topic].of(values))
+        except ValueError as error:
+            raise TraceError(f"{self.path}: the schema of {topic} is none that a trace can have: {error}") from error
 
     def steps(self) -> Iterator[RecordedStep]:
         """Yield every decision in order.
@@ -157,13 +168,21 @@ class RecordedRun:
         while group is not None:
             following = next(groups, None)
             yield RecordedStep(_step_of(group[0]), group, link, following is None)
-            link, group = _link_of(group), following
+            link, group = self._link_of(group), following
 
     def wall_seconds(self) -> float | None:
         """Return how long the run took; None if its wall times were not recorded."""
         recorded = self._trace.last("/perf")
         last = None if recorded is None else recorded.message
         return last.milliseconds["total"] / 1e3 if isinstance(last, Perf) else None
+
+    def _link_of(self, group: list[Recorded]) -> str:
+        """Return the hash chain after a group of messages."""
+        chains = [m.message for m in group if m.topic == "/chain"]
+        link = next((chain.chain for chain in chains if isinstance(chain, Chain)), NO_CHAIN)
+        if not re.fullmatch(f"[0-9a-f]{{{len(NO_CHAIN)}}}", link):
+            raise TraceError(f"{self.path}: {link!r} is no link of a hash chain; {UNREADABLE}")
+        return link
 
     def _groups(self) -> Iterator[list[Recorded]]:
         return by_step(self._decisions())
@@ -176,12 +195,18 @@ class RecordedRun:
             yield recorded
 
 
+def check_made_of(trace: Trace, start: RunStart) -> None:
+    """See to it that the files in a trace are those of its run: a recovered one may lack some.
+
+    Raises:
+        TraceError: If one is missing, changed or added.
+    """
+    attached = {name: digest(content) for name, content in trace.attachments.items()}
+    for said in disagreements(start, attached, trace.metadata["run"]):
+        raise TraceError(f"{trace.path}: what the run was made of is not in it any more: {said}")
+
+
 def _step_of(message: Recorded) -> int:
     belief = message.message
     assert isinstance(belief, Belief)
     return belief.step
-
-
-def _link_of(group: list[Recorded]) -> str:
-    chains = [m.message for m in group if m.topic == "/chain"]
-    return next((chain.chain for chain in chains if isinstance(chain, Chain)), NO_CHAIN)

@@ -25,7 +25,8 @@ def recover(
 ) -> None:
     """Save every message that is whole of a trace that was cut off or damaged.
 
-    The result can be read, shown and replayed as far as it goes; `skolem check` says what is missing.
+    The result can be read and shown as far as it goes, and replayed if nothing is missing in between; `skolem check`
+    says what is missing.
 
     Exit status: 0 saved, 2 the result cannot be written, or exists, 3 nothing can be saved.
     """

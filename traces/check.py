@@ -4,25 +4,25 @@ The file is read once, from the beginning, with the memory of one chunk. The fir
 a fault may be a consequence of it.
 """
 
-import hashlib
-import zlib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Never
 
 from google.protobuf.message import Message as Protobuf
-from mcap.records import Attachment, Channel, Chunk, ChunkIndex, DataEnd, Footer, Metadata, Schema
+from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE
 
 from skolem.traces.clock import tick_at, time_ns
 from skolem.traces.codec import ContentHash, HashChain, counter_of, decode, encode, misfit, schema_bytes, schema_name
-from skolem.traces.container import CRC_SIZE, DamageError, Piece, contents, pieces
+from skolem.traces.container import DamageError, Piece, contents, pieces
 from skolem.traces.errors import TraceError
 from skolem.traces.known_fields import KnownFields
-from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunStart, canonical
+from skolem.traces.made_of import digest, disagreements
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunEnd, RunStart, canonical
 from skolem.traces.reader import MAGIC, opened
+from skolem.traces.seal import Seal
 
 RECOVER = "`skolem recover {path} -o GOOD.mcap` saves every message that is whole"
 OLDER = "remark: this skolem has other schemas for {topics}; it reads these messages, and the schemas are not compared"
@@ -107,10 +107,11 @@ def check(path: Path) -> Checked:
 def _first_flaw(path: Path, examiner: "_Examiner") -> Flaw | None:
     try:
         with opened(path) as file:
-            seal = _Seal()
+            seal = Seal()
             for piece in pieces(file):
                 seal.take(piece)
-                examiner.take(piece)
+                for record in examiner.take(piece):
+                    seal.take_inner(piece.byte, record)
             if file.read(MAGIC_SIZE + 1) != MAGIC:
                 raise DamageError(file.tell(), "the file does not end as an MCAP file")
         examiner.end()
@@ -129,40 +130,6 @@ class _UnsoundError(Exception):
 
 
 _expected_schema = cache(schema_bytes)
-
-
-class _Seal:
-    """The checksums of the whole file, and the index at its end."""
-
-    def __init__(self) -> None:
-        self._crc = zlib.crc32(MAGIC)
-        self._chunks: set[int] = set()
-        self._indexed: set[int] = set()
-
-    def take(self, piece: Piece) -> None:
-        """Take in the next record of the file.
-
-        Raises:
-            DamageError: If a checksum or the index is wrong.
-        """
-        match piece.record:
-            case DataEnd(data_section_crc=crc):
-                if crc != self._crc:
-                    raise DamageError(piece.byte, "the records before do not match their checksum: bytes were changed")
-                self._crc = 0
-                return
-            case Footer(summary_crc=crc):
-                if crc != zlib.crc32(piece.data[:-CRC_SIZE], self._crc):
-                    raise DamageError(piece.byte, "the index does not match its checksum: its bytes were changed")
-                if self._chunks != self._indexed:
-                    raise DamageError(piece.byte, "the index does not list the chunks that there are")
-            case Chunk():
-                self._chunks.add(piece.byte)
-            case ChunkIndex(chunk_start_offset=start):
-                self._indexed.add(start)
-            case _:
-                pass
-        self._crc = zlib.crc32(piece.data, self._crc)
 
 
 class _Examiner:
@@ -190,26 +157,37 @@ class _Examiner:
         """What is unusual so far, and no fault."""
         return (OLDER.format(topics=", ".join(sorted(self._older))),) if self._older else ()
 
-    def take(self, piece: Piece) -> None:
-        """Take in the next record of the container.
+    def take(self, piece: Piece) -> list[Schema | Channel | McapMessage]:
+        """Take in the next record of the container; return the records inside, if it is a chunk.
 
         Raises:
             _UnsoundError: At the first fault.
         """
         self._byte = piece.byte
         match piece.record:
-            case Metadata(name=name, metadata=metadata):
-                self._metadata[name] = metadata
-            case Attachment(name=name, data=data):
-                self._attached[name] = hashlib.sha256(data).hexdigest()
+            case Metadata(name=name) | Attachment(name=name):
+                self._take_file(name, piece.record)
             case Chunk():
                 self._check_version()
-                for record in contents(piece):
+                inside = contents(piece)
+                for record in inside:
                     self._take_inner(record)
+                return inside
             case McapMessage():
                 self._fail("a message stands outside of the chunks, where a trace has none", FOREIGN)
             case _:
                 pass
+        return []
+
+    def _take_file(self, name: str, record: Metadata | Attachment) -> None:
+        """Take in what the run was made of, which stands before its first message, each once."""
+        known = self._metadata if isinstance(record, Metadata) else self._attached
+        if name in known or self.number:
+            self._fail(f"{name} is there twice, or after the first message", AGAIN)
+        if isinstance(record, Metadata):
+            self._metadata[name] = record.metadata
+        else:
+            self._attached[name] = digest(record.data)
 
     def _take_inner(self, record: Schema | Channel | McapMessage) -> None:
         match record:
@@ -250,7 +228,7 @@ class _Examiner:
     def _known_fields(self, topic: str, schema: Schema) -> KnownFields:
         try:
             return KnownFields(schema.data)
-        except (ValueError, AttributeError):
+        except ValueError:
             self._fail(f"the schema of {topic} is no JSON Schema", AGAIN)
 
     def _take_message(self, topic: str, record: McapMessage) -> None:
@@ -292,7 +270,12 @@ class _Examiner:
         if topic not in self._older:
             return encode(topic, message)
         known = self._older[topic]
-        return canonical(known.of(message.model_dump(mode="json"))) if known and isinstance(message, Message) else None
+        if not known or not isinstance(message, Message):
+            return None
+        try:
+            return canonical(known.of(message.model_dump(mode="json")))
+        except ValueError as error:
+            self._fail(f"the schema of {topic} is none that a trace can have: {error}", AGAIN)
 
     def _check_order(self, topic: str, message: object) -> None:
         """See to it that the run begins with its start and ends with its end."""
@@ -302,25 +285,12 @@ class _Examiner:
         if self._ended:
             self._fail("comes after /run/end", AGAIN)
         self._ended = topic == "/run/end"
+        if isinstance(message, RunEnd) and message.steps != self.results:
+            self._fail(f"says that there were {message.steps} steps, and there are {self.results}", AGAIN)
         if isinstance(message, RunStart):
             self._start = message
-            self._check_made_of(message)
-
-    def _check_made_of(self, start: RunStart) -> None:
-        """Compare the start of the run with the attachments and metadata."""
-        expected = {f"rules/{name}": digest for name, digest in start.rules_sha256.items()}
-        expected["scenario.yaml"] = start.scenario_sha256
-        for name in sorted(self._attached | expected):
-            if name not in self._attached:
-                self._fail(f"{name} is named, but not attached", AGAIN)
-            if name not in expected:
-                self._fail(f"{name} is attached, but not named", AGAIN)
-            if self._attached[name] != expected[name]:
-                self._fail(f"{name} differs from the attached file", AGAIN)
-        run = self._metadata["run"]
-        for name, value in (("scenario", start.scenario), ("seed", str(start.seed)), ("world", start.world)):
-            if run.get(name, value) != value:
-                self._fail(f"the metadata say {name} {run[name]}, the start of the run says {value}", AGAIN)
+            for said in disagreements(message, self._attached, self._metadata["run"]):
+                self._fail(said, AGAIN)
 
     def end(self) -> None:
         """Take notice that the container has ended.

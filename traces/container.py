@@ -12,18 +12,16 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
 
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Footer, Header, Metadata, Schema
 from mcap.records import Message as McapMessage
-from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
+from mcap.stream_reader import MAGIC_SIZE, StreamReader
 from mcap.writer import CompressionType, Writer
-from zstandard import ZstdError
 
+from skolem.traces.chunks import DAMAGE, TooLargeError, records_in
 from skolem.traces.errors import Fault, InputError, TraceError
 from skolem.traces.writer import LIBRARY
 
-DAMAGE = (McapError, ZstdError, ValueError, KeyError, struct.error, MemoryError, OverflowError)
 HEAD_SIZE = 1 + 8  # of every record: what it is, and its length
 CRC_SIZE = 4
 KINDS = {int(opcode): opcode.name.lower().replace("_", " ") for opcode in Opcode}
@@ -86,10 +84,12 @@ def contents(piece: Piece) -> list[Schema | Channel | McapMessage]:
     """Return the records inside a chunk.
 
     Raises:
-        DamageError: If the chunk does not match its checksum.
+        DamageError: If the chunk does not match its checksum, or is too large.
     """
     try:
-        return breakup_chunk(piece.record, validate_crc=True)  # type: ignore[return-value]
+        return records_in(piece.record)
+    except TooLargeError as error:
+        raise DamageError(piece.byte, str(error), piece.byte + len(piece.data)) from error
     except DAMAGE as error:
         raise DamageError(piece.byte, "the chunk does not match its checksum: its bytes were changed") from error
 

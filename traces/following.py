@@ -13,8 +13,8 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk
 from mcap.records import Message as McapMessage
-from mcap.stream_reader import breakup_chunk
 
+from skolem.traces.chunks import records_in
 from skolem.traces.clock import tick_at
 from skolem.traces.errors import TraceError
 from skolem.traces.reader import MAGIC, Recorded
@@ -75,7 +75,7 @@ def _complete(file: IO[bytes], size: int) -> bytes | None:
 
 def _messages(data: bytes, channels: dict[int, Channel]) -> Iterator[Recorded]:
     """Yield the messages of a chunk; the channels it introduces are added."""
-    for record in breakup_chunk(Chunk.read(ReadDataStream(BytesIO(data))), validate_crc=True):
+    for record in records_in(Chunk.read(ReadDataStream(BytesIO(data)))):
         if isinstance(record, Channel):
             channels[record.id] = record
         elif isinstance(record, McapMessage):

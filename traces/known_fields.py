@@ -16,15 +16,28 @@ class KnownFields:
 
     Args:
         schema: The schema's text.
+
+    Raises:
+        ValueError: If it is no JSON Schema.
     """
 
     def __init__(self, schema: bytes) -> None:
-        self._root: Schema = json.loads(schema)
-        self._definitions: Mapping[str, Schema] = self._root.get("$defs", {})
+        try:
+            self._root: Schema = json.loads(schema)
+            self._definitions: Mapping[str, Schema] = self._root.get("$defs", {})
+        except (AttributeError, RecursionError) as error:
+            raise ValueError("no JSON Schema") from error
 
     def of(self, message: Any) -> Any:
-        """Return a message, given as plain values, without the fields that the schema does not know."""
-        return self._known(message, self._root)
+        """Return a message, given as plain values, without the fields that the schema does not know.
+
+        Raises:
+            ValueError: If the schema is not one by which any message could have been written.
+        """
+        try:
+            return self._known(message, self._root)
+        except (KeyError, TypeError, AttributeError, RecursionError) as error:
+            raise ValueError(f"{type(error).__name__}: {error}") from error
 
     def _known(self, value: Any, schema: Schema) -> Any:
         if isinstance(value, dict):

@@ -6,7 +6,8 @@ Opening a trace compares both checksums of the container with the whole file, so
 import io
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,9 +18,10 @@ from mcap.data_stream import ReadDataStream
 from mcap.reader import FOOTER_SIZE, McapReader, make_reader
 from mcap.records import Channel, Chunk
 from mcap.records import Message as McapMessage
-from mcap.stream_reader import MAGIC_SIZE, breakup_chunk
+from mcap.stream_reader import MAGIC_SIZE
 from mcap.summary import Summary
 
+from skolem.traces.chunks import DAMAGE, records_in
 from skolem.traces.clock import tick_at, time_ns
 from skolem.traces.codec import ContentHash, counter_of, decode, misfit
 from skolem.traces.errors import TraceError
@@ -32,6 +34,7 @@ RECOVER = "`skolem recover` saves what is whole"
 UNREADABLE = "`skolem check` says whether the trace was changed; if not, use the version that recorded it"
 
 M = TypeVar("M", bound=Message)
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,10 +88,11 @@ class Trace:
         self.path = path
         with opened(path) as file:
             _check_whole(path, file)
-            reader = make_reader(file)
-            self._summary = _summary_of(reader)
-            self.metadata = {record.name: record.metadata for record in reader.iter_metadata()}
-            self.attachments = {record.name: record.data for record in reader.iter_attachments()}
+            with _readable(path):
+                reader = make_reader(file)
+                self._summary = _summary_of(reader)
+                self.metadata = _by_name(path, ((record.name, record.metadata) for record in reader.iter_metadata()))
+                self.attachments = _by_name(path, ((record.name, record.data) for record in reader.iter_attachments()))
         written = self.metadata.get("run", {}).get("schema_version")
         if written is None:
             raise TraceError(f"{path}: an MCAP file, but not a trace: its metadata names no schema version")
@@ -165,6 +169,24 @@ def opened(path: Path) -> IO[bytes]:
     return file
 
 
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    """Tell of bytes that are not as any trace is written, whose checksums somebody has made to fit."""
+    try:
+        yield
+    except DAMAGE as error:
+        raise TraceError(f"{path}: damaged: {str(error) or type(error).__name__}; {UNREADABLE}") from error
+
+
+def _by_name(path: Path, found: Iterable[tuple[str, T]]) -> dict[str, T]:
+    by_name: dict[str, T] = {}
+    for name, content in found:
+        if name in by_name:
+            raise TraceError(f"{path}: {name} is there twice; {UNREADABLE}")
+        by_name[name] = content
+    return by_name
+
+
 def _summary_of(reader: McapReader) -> Summary:
     summary = reader.get_summary()
     assert summary is not None, "the checksum of the summary was compared"
@@ -212,8 +234,9 @@ def _indexed(
         for index in sorted(summary.chunk_indexes, key=lambda index: index.chunk_start_offset, reverse=backwards):
             if wanted.isdisjoint(index.message_index_offsets):
                 continue
-            file.seek(index.chunk_start_offset + 1 + 8)
-            records = breakup_chunk(Chunk.read(ReadDataStream(file)), validate_crc=True)
+            with _readable(path):
+                file.seek(index.chunk_start_offset + 1 + 8)
+                records = records_in(Chunk.read(ReadDataStream(file)))
             for record in reversed(records) if backwards else records:
                 if isinstance(record, McapMessage) and record.channel_id in wanted:
                     yield summary.channels[record.channel_id], record

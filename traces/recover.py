@@ -10,8 +10,9 @@ from mcap.records import Channel, Chunk, DataEnd, Schema
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE
 
+from skolem.traces.chunks import DAMAGE
 from skolem.traces.clock import tick_at
-from skolem.traces.container import DAMAGE, Copy, DamageError, Piece, contents, pieces
+from skolem.traces.container import Copy, DamageError, Piece, contents, pieces
 from skolem.traces.errors import Fault, InputError, TraceError
 from skolem.traces.messages import TICKS_PER_SECOND
 from skolem.traces.reader import opened
@@ -98,6 +99,7 @@ def _whole(file: IO[bytes], starts: tuple[int, ...], lost: list[DamageError]) ->
         try:
             for piece in pieces(file, byte):
                 if isinstance(piece.record, DataEnd):
+                    lost += _behind(file, piece.byte)
                     return
                 yield piece
         except DamageError as damage:
@@ -105,6 +107,19 @@ def _whole(file: IO[bytes], starts: tuple[int, ...], lost: list[DamageError]) ->
             byte = next((start for start in starts if start > damage.byte), damage.end)
         else:
             return
+
+
+def _behind(file: IO[bytes], byte: int) -> list[DamageError]:
+    """Return what stands behind the end of a trace whose data end at `byte`; a damaged index tells nothing."""
+    end = byte
+    try:
+        for piece in pieces(file, byte):
+            end = piece.byte + len(piece.data) + MAGIC_SIZE
+    except DamageError:
+        return []
+    size = file.seek(0, 2)
+    said = f"{size - end} bytes behind the end of the trace are left out: another one, perhaps"
+    return [DamageError(end, said)] if size > end else []
 
 
 def _copy_chunk(piece: Piece, index: _Index, copy: Copy, found: Recovered) -> None:

@@ -4,6 +4,7 @@ The recording is a function of the trace and of what the robot looks like; nothi
 at once from a finished trace, or bit by bit from one that is being written.
 """
 
+from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
@@ -57,6 +58,10 @@ def convert(trace: Trace, out: Path, model: RobotModel) -> None:
     stream.disconnect()
 
 
+# How a thing is drawn of whose type nothing is recorded, as in what was recovered of a damaged trace.
+_UNKNOWN: Final = ObjectType(shape="box", size_m=(0.06, 0.06, 0.06), graspable=True)
+
+
 class Scene:
     """Draws the messages of a run into a recording, one after the other.
 
@@ -79,7 +84,7 @@ class Scene:
         self._labels = Labels(rows)
         self._plots, self._log = Plots(rows), Log(rows)
         self._plans = Plans(rows, "")
-        self._types: dict[str, ObjectType] = {}
+        self._types = defaultdict[str, ObjectType](lambda: _UNKNOWN)
         self._step = 0
         self._belief: tuple[Belief, When] | None = None
         self._laid_out: bool | None = None
@@ -125,7 +130,7 @@ class Scene:
         self._plans = Plans(self._rows, message.goal)
 
     def _told(self, message: Prior, when: When) -> None:
-        self._types = message.types
+        self._types.update(message.types)
 
     def _believed(self, message: Belief, when: When) -> None:
         """Draw a belief but for its labels: P(Den) stands in them, and comes next if it is recorded."""
