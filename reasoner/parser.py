@@ -151,6 +151,7 @@ class _Parser(Cursor):
         found = self.conjunct()
         while self.accept("&"):
             found += self.conjunct()
+        self.refuse_or("between beliefs")
         return found
 
     def conjunct(self) -> list[Conjunct]:
@@ -173,8 +174,14 @@ class _Parser(Cursor):
 
     def believed(self) -> Believed:
         phi = self.phi()
+        self.refuse_or("between facts")
         self.expect(",", " and a probability")
         return Believed(phi, self.probability())
+
+    def refuse_or(self, where: str) -> None:
+        if self.token.text == "|":
+            remedy = "it works inside a lambda: B(Den(lambda x. Green(x) | Red(x), o), 0.9)"
+            raise ParseFault(self.token.offset, f"'|' cannot stand {where}; {remedy}")
 
     def phi(self) -> Den | Holds | Atom:
         if self.accept("Den"):

@@ -2,67 +2,24 @@
 
 clingo grounds `far(f(X)) :- far(X)` until memory is full. A predicate that depends on itself derives finitely many
 atoms if every argument is made of what other predicates give, or is a part of an argument there was before. Where one
-is made larger there has to be an argument that becomes smaller in each of these rules and larger in none; its place may
-differ from predicate to predicate. A number may go one way if a comparison holds it there. All of this is enough, not
-necessary: what cannot be told to end is refused too.
+is made larger there has to be an argument that goes one way in each of these rules, and the other way in none: that
+becomes a part of what it was, or a number that counts up, or down, to a bound. Its place may differ from predicate to
+predicate. All of this is enough, not necessary: what cannot be told to end is refused.
 """
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import count, product
+from itertools import product
 from typing import Final
 
-from skolem.reasoner.parts import (
-    ANONYMOUS,
-    VARIABLE,
-    Atom,
-    Comparison,
-    Nested,
-    Signature,
-    Statement,
-    arguments_of,
-)
+from skolem.reasoner.counting import OTHER_WAY, WIDEST, Limit, Rule, is_remainder, read, step, variables
+from skolem.reasoner.parts import VARIABLE, Atom, Signature, Statement, arguments_of
 
 _MOST: Final = 10_000  # choices of places that are tried
-_COUNTED: Final = re.compile(rf"(?P<name>{VARIABLE.pattern}) = #")
-_STEP: Final = re.compile(rf"\((?P<name>{VARIABLE.pattern})(?P<way>[-+])[1-9]\d*\)")
+_PART: Final = "part"  # the way of an argument that becomes a part of what it was
 
-Terms = tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class _Limit:
-    """A comparison that holds the variables of a term on one side of another term.
-
-    Attributes:
-        names: The variables.
-        way: `+` if they cannot go on growing, `-` if they cannot go on falling.
-        other: The variables of the other term.
-    """
-
-    names: frozenset[str]
-    way: str
-    other: frozenset[str]
-
-
-@dataclass(frozen=True, slots=True)
-class _Rule:
-    """A rule with its equations put in, and a name for every `_`.
-
-    Attributes:
-        statement: As it stands in its file.
-        head: Its head.
-        body: Its positive atoms.
-        limits: Its positive comparisons.
-        counted: Variables that are the number of something.
-    """
-
-    statement: Statement
-    head: tuple[Signature, Terms]
-    body: tuple[tuple[Signature, Terms], ...]
-    limits: tuple[_Limit, ...]
-    counted: frozenset[str]
+Rules = Mapping[Signature, Sequence[Statement]]
+Below = Mapping[Signature, frozenset[tuple[int, int]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,21 +29,24 @@ class _Turn:
     Attributes:
         rule: The rule.
         before: The atoms in its body that depend on its head.
-        limited: Variables that cannot go on one way: each with `+` or `-`.
-        larger: Arguments of its head that are neither parts of what was before nor made of anything else.
+        known: Terms that other predicates give.
+        larger: Arguments of its head that are neither parts of what was before nor made of what is known.
     """
 
-    rule: _Rule
-    before: tuple[tuple[Signature, Terms], ...]
-    limited: frozenset[tuple[str, str]]
-    larger: Terms
+    rule: Rule
+    before: tuple[tuple[Signature, tuple[str, ...]], ...]
+    known: frozenset[str]
+    larger: tuple[str, ...]
 
 
-def endless(statements: Iterable[Statement]) -> Iterator[tuple[Statement, str]]:
+def endless(
+    statements: Iterable[Statement], constants: Mapping[str, int | None] | None = None
+) -> Iterator[tuple[Statement, str]]:
     """Yield every rule of which grounding may never end, with what is wrong and a remedy.
 
     Args:
         statements: Rules, each with an atom as its head.
+        constants: The numbers that `#const` names.
     """
     rules: dict[Signature, list[Statement]] = {}
     for statement in statements:
@@ -94,18 +54,20 @@ def endless(statements: Iterable[Statement]) -> Iterator[tuple[Statement, str]]:
         for signature in dict.fromkeys(statement.head.signatures):
             rules.setdefault(signature, []).append(statement)
     for circle in _circles(rules):
-        turns = [turn for rule in _of(circle, rules) if (turn := _turn(rule, circle)).before]
+        turns = [turn for rule in _of(circle, rules, constants or {}) if (turn := _turn(rule, circle)).before]
         if any(turn.larger for turn in turns) and not _ends(turns, circle, rules):
             yield from ((turn.rule.statement, _fault(turn)) for turn in turns if turn.larger)
 
 
 def _fault(turn: _Turn) -> str:
     (name, _), _ = turn.rule.head
-    remedy = "bound it by a comparison, or let another argument become smaller each time"
-    return f"{name} makes {turn.larger[0]} of what it derived before, without end; {remedy}"
+    remedy = (
+        f"compare what counts, a variable by itself, with a number up to {WIDEST}, or let an argument become smaller"
+    )
+    return f"{name} makes {turn.larger[0]} of what it derived before, and nothing tells that this ends; {remedy}"
 
 
-def _circles(rules: Mapping[Signature, Sequence[Statement]]) -> list[frozenset[Signature]]:
+def _circles(rules: Rules) -> list[frozenset[Signature]]:
     """Return the sets of predicates that depend on each other, in order of appearance."""
     uses = {
         head: {s for rule in found for part in rule.body if isinstance(part, Atom) for s in part.signatures}
@@ -128,100 +90,67 @@ def _reached(start: Signature, uses: Mapping[Signature, set[Signature]]) -> set[
     return found
 
 
-# ---------------------------------------------------------------- rules
-
-
-def _of(signatures: Iterable[Signature], rules: Mapping[Signature, Sequence[Statement]]) -> list[_Rule]:
-    """Return the rules of some predicates."""
+def _of(signatures: Iterable[Signature], rules: Rules, constants: Mapping[str, int | None]) -> list[Rule]:
+    """Return the rules of some predicates, those with pools as several."""
     found = dict.fromkeys(rule for signature in sorted(signatures) for rule in rules.get(signature, ()))
-    read = [
-        _read(statement, Statement.of(tree)) for statement in found for tree in statement.tree.unpool(condition=False)
-    ]
-    return [rule for rule in read if rule.head[0] in signatures]
+    every = ((statement, Statement.of(tree)) for statement in found for tree in statement.tree.unpool(condition=False))
+    return [rule for each in every if (rule := read(*each, constants)).head[0] in signatures]
 
 
-def _read(statement: Statement, rule: Statement) -> _Rule:
-    assert isinstance(rule.head, Atom)
-    atoms = [rule.head, *(part for part in rule.body if isinstance(part, Atom) and not part.sign)]
-    compared = [part for part in rule.body if isinstance(part, Comparison) and not part.sign]
-    number = count(1)
-    texts = [[_named(term, number) for term in part.terms] for part in compared]
-    texts += [[_named(term, number) for term in atom.pool[0]] for atom in atoms]
-    for i, part in enumerate(compared):
-        if part.operators == ("=",):
-            left, right = texts[i]
-            name, value = (left, right) if VARIABLE.fullmatch(left) else (right, left)
-            if VARIABLE.fullmatch(name) and name not in VARIABLE.findall(value):
-                texts = [[_replaced(term, name, value) for term in terms] for terms in texts]
-    limits = [limit for part, terms in zip(compared, texts, strict=False) for limit in _limits(part.operators, terms)]
-    said = zip(atoms, texts[len(compared) :], strict=True)
-    head, *body = [(atom.signatures[0], tuple(terms)) for atom, terms in said]
-    counts = (_COUNTED.match(part.text) for part in rule.body if isinstance(part, Nested))
-    return _Rule(statement, head, tuple(body), tuple(limits), frozenset(found["name"] for found in counts if found))
+# ---------------------------------------------------------------- what grows
 
 
-def _named(term: str, number: Iterator[int]) -> str:
-    return ANONYMOUS.sub(lambda _: f"_Unnamed{next(number)}", term)
-
-
-def _replaced(term: str, name: str, value: str) -> str:
-    return VARIABLE.sub(lambda found: value if found[0] == name else found[0], term)
-
-
-def _limits(operators: Sequence[str], terms: Sequence[str]) -> Iterator[_Limit]:
-    names = [frozenset(VARIABLE.findall(term)) for term in terms]
-    for operator, left, right in zip(operators, names, names[1:], strict=False):
-        if operator in ("<", "<=", ">", ">="):
-            ways = "+-" if operator.startswith("<") else "-+"
-            yield _Limit(left, ways[0], right)
-            yield _Limit(right, ways[1], left)
-
-
-def _turn(rule: _Rule, circle: frozenset[Signature]) -> _Turn:
+def _turn(rule: Rule, circle: frozenset[Signature]) -> _Turn:
     before = tuple(atom for atom in rule.body if atom[0] in circle)
     others = (term for signature, terms in rule.body if signature not in circle for term in terms)
-    known = {name for term in others for name in VARIABLE.findall(term)} | rule.counted
-    limited = frozenset((name, each.way) for each in rule.limits if each.other <= known for name in each.names)
-    had = {part for _, terms in before for term in terms for part in _parts(term)}
-    larger = (term for term in rule.head[1] if term not in had and _grows(term, known, limited))
-    return _Turn(rule, before, limited, tuple(larger))
+    known = rule.counted.union(*map(_parts, others))
+    had: frozenset[str] = frozenset().union(*(_parts(term) for _, terms in before for term in terms))
+    larger = (term for term in rule.head[1] if term not in had and _grows(term, known, had, rule.limits))
+    return _Turn(rule, before, known, tuple(larger))
 
 
-def _grows(term: str, known: set[str], limited: frozenset[tuple[str, str]]) -> bool:
-    """Return whether a term may be another one each time: made of what was before, and not held by a comparison."""
-    if term.startswith("@"):
+def _grows(term: str, known: frozenset[str], had: frozenset[str], limits: frozenset[Limit]) -> bool:
+    """Return whether a term may be another one each time: made of what was before, and held by nothing."""
+    if term in known or term.startswith("@"):
         return False  # what a query answers comes from the belief, which is finite
     inside = arguments_of(term)
     if inside is not None:
-        return any(_grows(each, known, limited) for each in inside)
-    names = set(VARIABLE.findall(term)) - known
-    step = _STEP.fullmatch(term)
-    if step is not None:
-        return bool(names) and (step["name"], step["way"]) not in limited
-    return bool(names) and (VARIABLE.fullmatch(term) is not None or not names <= {name for name, _ in limited})
+        return any(_grows(each, known, had, limits) for each in inside)
+    names = variables(term) - known
+    if not names or is_remainder(term):
+        return False
+    if VARIABLE.fullmatch(term):  # X, where X + 1 was before
+        ways = [way for name, way in map(step, had) if name == term]
+        return not any((term, OTHER_WAY[way]) in limits for way in ways)
+    counted, way = step(term)
+    if counted:
+        return (counted, way) not in limits
+    return any((name, way) not in limits for name in names for way in OTHER_WAY)
 
 
-def _parts(term: str) -> set[str]:
+def _parts(term: str) -> frozenset[str]:
     """Return a term and every term that it has as an argument, at any depth."""
-    return {term}.union(*map(_parts, arguments_of(term) or ()))
+    return frozenset({term}).union(*map(_parts, arguments_of(term) or ()))
 
 
-# ---------------------------------------------------------------- what becomes smaller
+# ---------------------------------------------------------------- what goes one way
 
 
-def _ends(turns: Sequence[_Turn], circle: frozenset[Signature], rules: Mapping[Signature, Sequence[Statement]]) -> bool:
-    """Return whether an argument of each predicate becomes smaller wherever one grows, and becomes larger nowhere."""
-    below = {s: _smaller(_of([s], rules)) for s in sorted({s for turn in turns for s, _ in turn.rule.body})}
+def _ends(turns: Sequence[_Turn], circle: frozenset[Signature], rules: Rules) -> bool:
+    """Return whether an argument of each predicate goes one way wherever one grows, and the other way nowhere."""
+    below = {s: _smaller(_of([s], rules, {})) for s in sorted({s for turn in turns for s, _ in turn.rule.body})}
     names = sorted(circle)
-    for tried, chosen in enumerate(product(*(range(arity) for _, arity in names))):
+    choices = ((way, places) for way in (_PART, *OTHER_WAY) for places in product(*(range(n) for _, n in names)))
+    for tried, (way, places) in enumerate(choices):
         if tried == _MOST:
             return False
-        if all(_shrinks(turn, dict(zip(names, chosen, strict=True)), below) for turn in turns):
+        place = dict(zip(names, places, strict=True))
+        if all(_goes(way, turn, place, below) for turn in turns):
             return True
     return False
 
 
-def _smaller(rules: Sequence[_Rule]) -> frozenset[tuple[int, int]]:
+def _smaller(rules: Sequence[Rule]) -> frozenset[tuple[int, int]]:
     """Return which argument of a predicate is, in all its rules, a part of which other: `(larger, smaller)`."""
     found: list[frozenset[tuple[int, int]]] = []
     for rule in rules:
@@ -232,19 +161,30 @@ def _smaller(rules: Sequence[_Rule]) -> frozenset[tuple[int, int]]:
     return frozenset.intersection(*found) if found else frozenset()
 
 
-def _shrinks(
-    turn: _Turn, place: Mapping[Signature, int], below: Mapping[Signature, frozenset[tuple[int, int]]]
-) -> bool:
-    """Return whether the argument at some place becomes smaller, or at least not larger if nothing grows."""
+def _goes(way: str, turn: _Turn, place: Mapping[Signature, int], below: Below) -> bool:
+    """Return whether the argument at some place goes one way, or at least stays if nothing grows."""
     signature, terms = turn.rule.head
     now = terms[place[signature]]
-    step = _STEP.fullmatch(now)
-    holding = {atom[i] for name, atom in turn.rule.body for i, j in below[name] if atom[j] == now}
     for signature, terms in turn.before:
         was = terms[place[signature]]
-        parts = _parts(was)
-        counts = step is not None and step["name"] == was and (was, step["way"]) in turn.limited
-        smaller = counts or now in parts - {was} or not holding.isdisjoint(parts)
-        if not smaller and (turn.larger or now != was):
+        moved = _becomes_part(now, was, turn, below) if way == _PART else _counts(way, now, was, turn)
+        if not moved and (turn.larger or now != was):
             return False
     return True
+
+
+def _becomes_part(now: str, was: str, turn: _Turn, below: Below) -> bool:
+    parts = _parts(was)
+    holding = {atom[i] for name, atom in turn.rule.body for i, j in below[name] if atom[j] == now}
+    return now in parts - {was} or not holding.isdisjoint(parts)
+
+
+def _counts(way: str, now: str, was: str, turn: _Turn) -> bool:
+    """Return whether a number goes on one way, to a bound if something grows with it."""
+    if step(now) == (was, way):
+        name = was
+    elif step(was) == (now, OTHER_WAY[way]):
+        name = now
+    else:
+        return False
+    return not turn.larger or now in turn.known or (name, way) in turn.rule.limits

@@ -93,8 +93,7 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
         uncertain: Predicates of which rules may be missing: anything may stand there.
     """
     rules = [Source.of(file, s) for file, statements in files for s in statements if s.ast_type is ASTType.Rule]
-    definitions = [s for _, found in files for s in found if s.ast_type is ASTType.Definition]
-    constants = {s.name: constant_value(s.value, {}) for s in definitions}
+    constants = constants_of(files)
     needs = {source: set(_needed(source.statement)) for source in rules}
     shapes = Shapes(_OPEN | uncertain)
     due = rules
@@ -107,6 +106,20 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
         }
         due = [source for source in rules if needs[source] & changed]
     return shapes
+
+
+def stated(rule: AST, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
+    """Yield what a rule derives as far as it stands in its head: `any` for each variable, whatever its body says."""
+    symbol = rule.head.atom.symbol
+    for term in symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]:
+        for found in _patterns(term, {}, constants):
+            yield (term.name, len(term.arguments)), found.args if isinstance(found, Compound) else ()
+
+
+def constants_of(files: Iterable[tuple[RuleFile, Sequence[AST]]]) -> Constants:
+    """Return what `#const` names."""
+    found = [s for _, statements in files for s in statements if s.ast_type is ASTType.Definition]
+    return {s.name: constant_value(s.value, {}) for s in found}
 
 
 def _needed(rule: AST) -> Iterator[Signature]:
@@ -212,6 +225,10 @@ def _patterns(term: AST, binding: Binding, constants: Constants) -> Iterator[Ter
                 choices = [(*c, p) for c in choices for p in _patterns(argument, binding, constants)]
             for args in choices:
                 yield Compound(term.name, args) if args or not term.name else term.name
+        case ASTType.Interval:
+            ends = (constant_value(end, constants) for end in (term.left, term.right))
+            yield from (end for end in ends if end is not None)
+            yield ANY
         case _:
             computed = constant_value(term, constants)
             yield ANY if computed is None else computed

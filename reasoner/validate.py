@@ -16,6 +16,7 @@ from typing import Final
 from clingo import SymbolType, ast
 from clingo.ast import AST, ASTType
 
+from skolem.reasoner.counting import WIDEST
 from skolem.reasoner.parts import Atom, Nested, Part, Signature, Statement
 from skolem.reasoner.recursion import endless
 from skolem.reasoner.rule_files import GREATEST, RuleFile
@@ -64,7 +65,6 @@ WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and the terms that stand 
         ASTType.Variable,
     }
 )
-_WIDEST: Final = 10_000
 # What the text of syntax shows of all that may be wrong with its terms: a @function, a text, a sum or product, a number
 # of ten digits, an interval. Most rules have none, and text is far quicker to read than a tree.
 _WORTH_A_LOOK: Final = re.compile(r'[-+*@"]|\d{10}|\.\.')
@@ -73,7 +73,11 @@ _ARITHMETIC: Final[dict[int, Callable[[int, int], int]]] = {
     ast.BinaryOperator.Plus: operator.add,
     ast.BinaryOperator.Minus: operator.sub,
     ast.BinaryOperator.Multiplication: operator.mul,
+    ast.BinaryOperator.Division: lambda a, b: (abs(a) // abs(b)) * (1 if a * b > 0 else -1),  # towards 0
+    ast.BinaryOperator.Modulo: lambda a, b: (abs(a) % abs(b)) * (1 if a > 0 else -1),
+    ast.BinaryOperator.Power: lambda a, b: a**b,
 }
+_GREATEST_POWER: Final = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +112,7 @@ def check(files: Sequence[tuple[RuleFile, Sequence[Statement]]], queries_type: t
     seen.refuse_endless(files)
     names = _check_names(seen, whole)
     faults = [*seen.faults, *_check_calls(seen, queries_type), *names.faults, *_check_stratified(seen)]
+    faults += _check_words(seen)
     return Checked(faults, seen.refused, names.uncertain | seen.missing)
 
 
@@ -134,11 +139,19 @@ def constant_value(node: AST, constants: Mapping[str, int | None]) -> int | None
             return constants.get(node.name)
         case ASTType.BinaryOperation if node.operator_type in _ARITHMETIC:
             left, right = constant_value(node.left, constants), constant_value(node.right, constants)
-            return None if left is None or right is None else _ARITHMETIC[node.operator_type](left, right)
+            return None if left is None or right is None else _computed(node.operator_type, left, right)
         case ASTType.UnaryOperation if node.operator_type == ast.UnaryOperator.Minus:
             value = constant_value(node.argument, constants)
             return None if value is None else -value
     return None
+
+
+def _computed(operation: int, left: int, right: int) -> int | None:
+    """Return what clingo computes of two numbers; None where it refuses to, or it is too large to matter."""
+    power = operation == ast.BinaryOperator.Power
+    if (right == 0 and not power) or (power and not 0 <= right <= _GREATEST_POWER):
+        return None
+    return _ARITHMETIC[operation](left, right)
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +179,7 @@ class _Seen:
     shown: set[Signature] = field(default_factory=set)
     depends: dict[Signature, set[Signature]] = field(default_factory=dict)
     strict: list[tuple[Signature, _Use]] = field(default_factory=list)
+    words: list[tuple[Signature, _Place, list[_Use]]] = field(default_factory=list)  # derived, not stated
     faults: list[Fault] = field(default_factory=list)
     refused: list[Statement] = field(default_factory=list)
     missing: set[Signature] = field(default_factory=set)  # what refused statements say something about
@@ -189,7 +203,7 @@ class _Seen:
             for statement in statements
             if isinstance(statement.head, Atom) and INPUT.isdisjoint(statement.head.signatures)
         }
-        for rule, message in endless(rule for rule in rules if rule not in self.refused):
+        for rule, message in endless((rule for rule in rules if rule not in self.refused), self.constants):
             begin = rule.tree.location.begin
             self.faults.append(rules[rule].fault(begin.line, begin.column, message))
             self.refused.append(rule)
@@ -224,10 +238,8 @@ class _Seen:
                 self.faults.append(at(node)(f'{node} is a text; rules are written in constants: a_whim, not "a whim"'))
             if kind is ASTType.Interval:
                 ends = [constant_value(end, self.constants) for end in (node.left, node.right)]
-                if ends[0] is not None and ends[1] is not None and ends[1] - ends[0] >= _WIDEST:
-                    self.faults.append(
-                        at(node)(f"{node} is more than {_WIDEST} numbers; bound it by something smaller")
-                    )
+                if ends[0] is not None and ends[1] is not None and ends[1] - ends[0] >= WIDEST:
+                    self.faults.append(at(node)(f"{node} is more than {WIDEST} numbers; bound it by something smaller"))
             value = constant_value(node, self.constants) if kind in _PERHAPS_NUMBERS else None
             if value is not None and abs(value) > GREATEST:
                 self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
@@ -241,6 +253,8 @@ class _Seen:
             self.heads.append((signature, at(head.tree)))
             self.depends.setdefault(signature, set()).update(use.signature for use in uses)
             self.strict += [(signature, use) for use in uses if use.strict]
+            if signature in OUTPUT and uses:
+                self.words.append((signature, at(head.tree), uses))
 
 
 def _derived(head: AST) -> list[Signature] | str:
@@ -360,6 +374,13 @@ def _check_stratified(seen: _Seen) -> Iterator[Fault]:
             how = "negation, an aggregate or a condition"
             circle = f"{_text(head)} depends on itself through {how}, by {_text(use.signature)}"
             yield use.place(f"{circle}; let one of them do without the other")
+
+
+def _check_words(seen: _Seen) -> Iterator[Fault]:
+    """Yield where a word gets its meaning from a goal: words are read before there is one."""
+    for signature, fault, uses in seen.words:
+        if any(not INPUT.isdisjoint(_reachable(use.signature, seen.depends)) for use in uses):
+            yield fault(f"{_text(signature)} depends on a goal; a word has its meaning whatever is asked: state a fact")
 
 
 def _reachable(start: Signature, depends: dict[Signature, set[Signature]]) -> set[Signature]:

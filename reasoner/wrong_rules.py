@@ -3,6 +3,7 @@
 All of it is found without a belief, on the shapes of `rule_shapes`.
 """
 
+import inspect
 from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
 from typing import Final
@@ -12,10 +13,13 @@ from clingo.ast import AST, ASTType
 from skolem.reasoner.examination import Examined
 from skolem.reasoner.fluent_kinds import ACTIVITIES, COMMANDS, FLUENTS, pattern, shape, sorted_pattern
 from skolem.reasoner.instances import title
+from skolem.reasoner.queries import Queries
 from skolem.reasoner.rule_files import RuleFile
-from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
+from skolem.reasoner.rule_shapes import Shapes, Source, constants_of, meet, shapes_of, stated
 from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.situation import QUANTITIES
 from skolem.reasoner.terms import ANY, Compound, Term
+from skolem.reasoner.validate import descend
 from skolem.reasoner.vocabulary import Vocabulary
 from skolem.traces.errors import InputError
 from skolem.traces.messages import HANDS
@@ -53,14 +57,15 @@ def wrong(shapes: Shapes, files: Files, vocabulary: Vocabulary | None) -> Found:
         files: The rules.
         vocabulary: What gives words their meaning; None if some of it is not known, then nothing is said of words.
     """
-    spoken_of = list(_spoken_of(shapes, files))
-    yield from _strangers(spoken_of)
+    yield from _strangers(_spoken_of(shapes, files))
+    heads = list(_heads(files))
+    for source, (name, arity), args in heads:
+        if (name, arity) in (("cost", 3), ("precond", 3)) and _is_no_bound(args[2]):
+            yield source, NOT_A_FLUENT, f"{name}/3 ends in a whole number from 0, found {args[2]}"
     if vocabulary is not None:
-        yield from _unknown_words(((source, fluent) for source, fluent, _ in spoken_of), vocabulary)
-    for name in ("cost", "precond"):
-        for args, source in shapes.every(name, 3):
-            if args[2] != ANY and not (isinstance(args[2], int) and args[2] >= 0):
-                yield source, NOT_A_FLUENT, f"{name}/3 ends in a whole number from 0, found {args[2]}"
+        yield from _unknown_words(heads, files, vocabulary)
+        yield from _other_quantities(heads, vocabulary)
+        yield from _wrong_arguments(files, vocabulary)
     for (_, command), source in shapes.every("executes", 2):
         if all(meet(command, pattern(known)) is None for known in COMMANDS):
             yield source, NOT_A_FLUENT, f"the robot cannot carry out {title(command)}; there are: {', '.join(COMMANDS)}"
@@ -86,15 +91,72 @@ def _strangers(spoken_of: Iterable[tuple[Source, Term, list[Term]]]) -> Found:
             yield source, NOT_A_FLUENT, f"{_named(fluent)} {message}; {_instead(fluent)}"
 
 
-def _unknown_words(spoken_of: Iterable[tuple[Source, Term]], vocabulary: Vocabulary) -> Found:
+_Heads = Iterable[tuple[Source, tuple[str, int], tuple[Term, ...]]]
+
+
+def _heads(files: Files) -> Iterator[tuple[Source, tuple[str, int], tuple[Term, ...]]]:
+    """Yield the heads of rules as they stand there: of a variable nothing is known, since what holds it is not seen."""
+    constants = constants_of(files)
+    for file, statements in files:
+        for statement in statements:
+            if statement.ast_type is ASTType.Rule:
+                yield from ((Source.of(file, statement), *found) for found in stated(statement, constants))
+
+
+def _is_no_bound(term: Term) -> bool:
+    return term != ANY and not (isinstance(term, int) and term >= 0)
+
+
+def _unknown_words(heads: _Heads, files: Files, vocabulary: Vocabulary) -> Found:
     """Words in fluents that have no meaning."""
-    known = sorted(vocabulary.meanings.keys() | vocabulary.types.keys())
-    for source, fluent in spoken_of:
+    places = {("precond", 3): (1,), ("result", 2): (1,), ("destroys", 2): (1,), ("mutex", 2): (0, 1)}
+    fluents = [(source, args[i]) for source, signature, args in heads for i in places.get(signature, ())]
+    for source, fluent in [*fluents, *_asked(files)]:
         for word in (word for text in _of_kind(fluent) for word in _words(sorted_pattern(text), fluent)):
-            if word not in known:
-                close = get_close_matches(word, known, 1)
-                remedy = f"did you mean {close[0]}?" if close else f"there are: {', '.join(known)}"
-                yield source, NOT_A_FLUENT, f"{word} in {fluent} has no meaning; {remedy}"
+            yield from _no_word(source, word, str(fluent), vocabulary)
+
+
+def _no_word(source: Source, word: str, place: str, vocabulary: Vocabulary) -> Found:
+    known = sorted(vocabulary.meanings.keys() | vocabulary.types.keys())
+    if word not in known:
+        close = get_close_matches(word, known, 1)
+        remedy = f"did you mean {close[0]}?" if close else f"there are: {', '.join(known)}"
+        yield source, NOT_A_FLUENT, f"{word} in {place} has no meaning; {remedy}"
+
+
+def _other_quantities(heads: _Heads, vocabulary: Vocabulary) -> Found:
+    """Words that are said to be settled by a quantity that they are not about."""
+    for source, signature, args in heads:
+        meaning = vocabulary.meanings.get(str(args[0])) if signature == ("measures", 2) else None
+        if meaning is not None and args[1] not in (ANY, meaning.quantity):
+            said = f"{args[0]} is about the {meaning.quantity} of an object, and no {args[1]} can tell it"
+            yield source, NOT_A_FLUENT, f"{said}; leave measures({args[0]}, {args[1]}) out"
+
+
+def _wrong_arguments(files: Files, vocabulary: Vocabulary) -> Found:
+    """Names in the arguments of queries that are none of what is asked for there."""
+    sorts = {"hand": HANDS, "quantity": QUANTITIES}
+    for file, statements in files:
+        for statement in statements:
+            source = Source.of(file, statement)
+            for call in (n for n, kind in descend(statement) if kind is ASTType.Function and n.external):
+                for sort, term in zip(_parameters(call.name), map(written, call.arguments), strict=False):
+                    if not isinstance(term, str) or term == ANY or term.lstrip("-").isdigit():
+                        continue
+                    if sort == "word":
+                        yield from _no_word(source, term, str(call), vocabulary)
+                    elif sort in sorts and term not in sorts[sort]:
+                        yield (
+                            source,
+                            NOT_A_FLUENT,
+                            f"{term} in {call} is no {sort}; there are: {', '.join(sorts[sort])}",
+                        )
+
+
+def _parameters(query: str) -> tuple[str, ...]:
+    """Return what the arguments of a query are called."""
+    found = getattr(Queries, query, None)
+    return tuple(inspect.signature(found).parameters)[1:] if inspect.isfunction(found) else ()
 
 
 def _words(place: Term, term: Term) -> Iterator[str]:

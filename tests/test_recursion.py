@@ -9,14 +9,18 @@ from papers import shipped
 from skolem.reasoner.parts import Statement
 from skolem.reasoner.recursion import endless
 
-BASE = "a(z). a(f(f(z))). b(0, z). b(3, f(z)). c(z, f(f(z))). d(f(f(f(z))), z). e(z). e(y)."
+CONSTANTS = {"limit": 10, "down": -1}
+BASE = (
+    "#const limit = 10. #const down = -1. h(1, 2). h(-1, any). a(z). a(f(f(z))). b(0, z). b(3, f(z)). "
+    "c(z, f(f(z))). d(f(f(f(z))), z). e(z). e(y)."
+)
 
 
 def refused(text: str) -> list[str]:
     """Return the rules that may go on without end."""
     found: list[Statement] = []
     ast.parse_string(text, lambda tree: found.append(Statement.of(tree)))
-    return [str(rule.tree) for rule, _ in endless(s for s in found if s.kind is ASTType.Rule)]
+    return [str(rule.tree) for rule, _ in endless((s for s in found if s.kind is ASTType.Rule), CONSTANTS)]
 
 
 @pytest.mark.parametrize(
@@ -44,6 +48,17 @@ def refused(text: str) -> list[str]:
         "b(N + 1, f(X)) :- b(N, X), N != 10.",
         "b(N + 1, f(X)) :- b(N, X), N < M, b(M, X).",
         "b(N - 1, f(X)) :- b(N, X), N < 10.",
+        "b(N + 1, X) :- b(N, X), N < most.",
+        "b(N + 1, X) :- b(N, X), h(_, W), N < W.",
+        "b(N + M, X) :- b(N, X), h(M, _), N < 5.",
+        "b(N - 1, X) :- b(N, X), 10 - N > 0.",
+        "b(N + 1, X) :- b(N, X), N \\ 10 < 10.",
+        "b(N + 1, X) :- b(N, X), h(N \\ 2, _).",
+        "b(N + down, X) :- b(N, X), N < 10.",
+        "b(N + 1, X) :- b(N, X), N < 2000000000.",
+        "b(2 * N, X) :- b(N, X), N <= 100.",
+        "b(N + 1, f(X)) :- b(N, X), N < 10. b(N - 1, f(X)) :- b(N, X), N > 0.",
+        "b(N + 1, f(X)) :- b(N, X), N < 10. b(N - 1, X) :- b(N, X), N > 0.",
     ],
 )
 def test_what_grows_without_end_is_refused(rules: str) -> None:
@@ -67,9 +82,16 @@ def test_what_grows_without_end_is_refused(rules: str) -> None:
         "g(Y, f(X)) :- d(f(X), Y). d(X, f(Y)) :- g(Y, f(X)).",
         "b(N + 1, X) :- b(N, X), N < 10.",
         "b(N + 1, X) :- b(N, X), N < M, M = 10.",
+        "b(N + 1, X) :- b(N, X), N < limit.",
+        "b(N, X) :- b(M, X), M = N - 1, N < 10.",
+        "b(N, X) :- b(N + 1, X), N >= 0.",
+        "b((N + 1) \\ 12, X) :- b(N, X).",
+        "b(N + M, X) :- b(N, X), h(M, _), -5 < N, N < 5.",
+        "t(N, M) :- b(N, z), b(M, z). t(N + 1, M + W) :- t(N, M), h(N + 1, W).",
+        "h(0..9, 1). k(0, 1). k(N, M + W) :- k(N - 1, M), h(N, W).",
         "b(M, X) :- b(N, X), M = N + 1, M <= 10.",
         "b(N - 1, f(X)) :- b(N, X), 0 < N.",
-        "b(2 * N, X) :- b(N, X), N <= 100.",
+        "b(2 * N, X) :- b(N, X), 0 <= N, N <= 100.",
         "b(N, X) :- b(_, X), N = #count { Y : e(Y) }.",
         "b(1..3, X) :- b(_, X).",
     ],
