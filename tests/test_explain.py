@@ -4,11 +4,14 @@ import json
 import math
 import re
 import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import pytest
+from recordings import rewritten, unchanged
 from typer.testing import CliRunner
 
 from skolem.tools import explain
@@ -17,9 +20,9 @@ from skolem.tools.explanation_text import action_tree, choice_tree, drop_tree, e
 from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.errors import InputError
-from skolem.traces.messages import Decision, Plan
-from skolem.traces.reader import Trace
+from skolem.traces.errors import InputError, InternalError
+from skolem.traces.messages import Decision, Denotation, Message, Plan
+from skolem.traces.reader import Recorded, Trace
 
 ROOT = Path(__file__).parent.parent
 
@@ -229,6 +232,109 @@ def test_an_action_that_never_does_what_it_should_is_named_with_how_often_it_was
     assert remedy.finding == "Beckon(sodaC, table1) was done 3 times without doing what it should"
     assert remedy.change.startswith("limits.repeats above 3")
     assert not any("Beckon" in other.finding for other in ending.remedies if other is not remedy)
+
+
+HEAVY = "goal=exists o. B(Den(lambda x. Heavy(x), o), 0.9)"
+
+
+def ruled(folder: Path, rule: str) -> Path:
+    """Return the trace of a run with a rule of its own, whatever became of it."""
+    (folder / "own.lp").write_text(f"%# Own.\n%\n%  Input: goal/1\n\n{rule}\n", encoding="utf-8")
+    shipped = (ROOT / "scenarios" / "sim1_green.yaml").read_text(encoding="utf-8")
+    (folder / "own.yaml").write_text(f"{shipped}\nrules: [own.lp]\n", encoding="utf-8")
+    with suppress(InternalError):
+        run(prepare(folder / "own.yaml", (), 0, "symbolic"), folder / "own.mcap", Silence(), Stopwatch(), Outcome())
+    return folder / "own.mcap"
+
+
+def test_an_object_whose_step_was_refused_is_told_with_the_step_and_the_rule_and_never_called_as_good() -> None:
+    found = explained(traced("sim1_green", HEAVY, "limits.steps=1"), 0).choice
+    assert found is not None
+    options = {option.object: option for option in found.options}
+    refused = options["table1"]
+    assert refused.rejected.startswith("ExamineObj(e1, table1) was refused at step 0: Weigh(table1), which it takes")
+    assert "rules refuse Pick(right, table1): not_graspable [pick.lp:" in refused.rejected
+    assert refused.rejected.endswith(f"else its plan would have p = {refused.probability:.3g}")
+    equal = [option for option in found.options if "as good" in option.rejected]
+    assert equal
+    assert all(option.probability == found.options[0].probability for option in equal)
+
+
+def test_what_is_refused_at_several_steps_says_since_when() -> None:
+    path = traced("sim1_green", HEAVY, "limits.steps=20")
+    refused = {each.step for each in Trace(path).of(Plan) if "examine_obj(e1,table1)" in each.false_fluents}
+    found = explained(path, max(refused)).choice
+    assert found is not None
+    (table,) = (option for option in found.options if option.object == "table1")
+    assert f"was refused at step {max(refused)}, and first at step {min(refused)}: " in table.rejected
+
+
+def test_where_nothing_was_chosen_no_plan_is_said_to_be_as_good_as_the_chosen_one() -> None:
+    found = explained(traced("sim1_green", HEAVY, "limits.steps=1"), None).choice
+    assert found is not None
+    told = [option.rejected for option in found.options if option.plan]
+    assert told
+    assert all(each.endswith("but no plan was sought any more") for each in told)
+
+
+def test_a_rule_of_the_user_that_refuses_every_way_is_named_with_its_line_and_not_taken_for_geometry(
+    tmp_path: Path,
+) -> None:
+    found = explained(ruled(tmp_path, "rejected(S, not_that_one) :- step(S), S = pick(_, sodaC)."), None)
+    assert found.ending is not None
+    (remedy,) = (remedy for remedy in found.ending.remedies if remedy.kind in ("rule", "geometry"))
+    reasons = "Pick(left, sodaC): not_that_one [own.lp:5]; Pick(right, sodaC): not_that_one [own.lp:5]"
+    assert remedy.finding == f"Place(sodaC, table1) has no way to be done that the rules do not refuse: {reasons}"
+    assert found.choice is not None
+    assert f"was refused at step {found.step}: rules refuse {reasons}" in found.choice.options[0].rejected
+
+
+def test_the_object_that_comes_nearest_is_the_nearest_of_all_and_that_for_a_hand_is_told_apart() -> None:
+    found = explained(traced("sim1_green", HEAVY, "limits.steps=20"), None)
+    assert found.choice is not None
+    assert found.ending is not None
+    heavy = {option.object: option.conjuncts["heavy"] for option in found.choice.options if option.conjuncts}
+    (finding,) = (remedy.finding for remedy in found.ending.remedies if remedy.kind == "property")
+    nearest = finding.removeprefix("of all known objects ").split()[0]
+    assert heavy[nearest] == max(heavy.values())
+    assert nearest.startswith("table")
+    assert "; of those that a hand can hold soda" in finding
+
+
+def test_each_of_several_descriptions_has_an_object_that_comes_nearest_to_it() -> None:
+    table = "B(Den(lambda x. Table(x) & White(x), t), 0.9)"
+    goal = f"goal=exists o. exists t. B(Den(lambda x. Green(x), o), 0.9) & {table} & B(On(o, t), 0.9)"
+    ending = explained(traced("sim1_green", goal), None).ending
+    assert ending is not None
+    findings = [remedy.finding for remedy in ending.remedies if remedy.kind in ("goal", "property")]
+    assert len(findings) == 1
+    assert findings[0].startswith("of all known objects table")
+    assert findings[0].endswith("(meant by lambda x. Table(x) & White(x))")
+    assert "green" not in findings[0]
+
+
+def test_a_run_that_failed_is_explained_by_what_failed_even_if_it_fails_again(tmp_path: Path) -> None:
+    path = ruled(tmp_path, "cost(S, odd, 1000/G) :- step(S), S = look(O), G = @graspable(O).")
+    result = CliRunner().invoke(explain.app, [str(path)])
+    assert result.exit_code == 0, result.exception
+    assert "why the run ended: error: InternalError: own.lp:5:14: operation undefined" in result.stdout
+    assert "the next action could not be decided" in result.stdout
+    assert "note: thought again, it fails" in result.stdout
+
+
+def test_what_this_version_thinks_otherwise_than_the_robot_did_is_said_first(tmp_path: Path) -> None:
+    def surer(message: Recorded) -> Iterator[Message]:
+        found = unchanged(message)
+        other = {"probability": {"e1": {"sodaE": 0.9}}}
+        yield found.model_copy(update=other) if isinstance(found, Denotation) and found.step == 2 else found
+
+    path = rewritten(traced("sim1_green"), tmp_path / "other.mcap", surer)
+    before, after = (CliRunner().invoke(explain.app, [str(path), "--step", step]).stdout for step in ("1", "3"))
+    assert before.startswith("goal: ")
+    assert after.startswith("this version thinks otherwise from step 2 on: ")
+    assert "`skolem replay` shows where\n\ngoal: " in after
+    told = [CliRunner().invoke(explain.app, [str(path), "--step", step, "--json"]).stdout for step in ("1", "3")]
+    assert [json.loads(each)["parts"] for each in told] == [None, 2]
 
 
 def test_a_threshold_that_stood_in_the_way_is_named_with_the_value_that_would_not() -> None:

@@ -16,6 +16,7 @@ from skolem.traces.reader import Trace
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+COLOURS = {3: "0.60, 0.3, 0.9", 4: "0.99, 0.9, 0.8"}  # of `dented`, which is shiny, and `painted`, as they are
 RULES, SCENARIO = DOCS / "tutorial" / "full_and_shiny.lp", DOCS / "tutorial" / "full_and_shiny.yaml"
 
 
@@ -23,9 +24,9 @@ def quoted(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 
 
-def ran(folder: Path, *overrides: str) -> tuple[Outcome, Trace]:
+def ran(folder: Path, *overrides: str, seed: int = 0) -> tuple[Outcome, Trace]:
     outcome, path = Outcome(), folder / "tutorial.mcap"
-    run(prepare(SCENARIO, overrides, 0, "symbolic"), path, Silence(), Stopwatch(), outcome)
+    run(prepare(SCENARIO, overrides, seed, "symbolic"), path, Silence(), Stopwatch(), outcome)
     return outcome, Trace(path)
 
 
@@ -62,6 +63,15 @@ def test_the_robot_sees_what_is_shiny_feels_what_is_full_and_brings_the_can_that
     said = CliRunner().invoke(explain.app, [str(trace.path), "--step", str(pick.step)]).stdout
     [line] = [i for i, rule in enumerate(RULES.read_text().splitlines(), 1) if rule.startswith("cost(S, slippery")]
     assert f"cost: slippery, p = 0.800  [full_and_shiny.lp:{line}]" in said
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_two_cans_that_suit_as_well_the_one_that_does_not_slip_is_chosen(tmp_path: Path, seed: int) -> None:
+    known = [f"belief.objects.{i}.colour={{hsv: [{hue}], sd: [0.01, 0.01, 0.01]}}" for i, hue in COLOURS.items()]
+    goal = "goal=exists o. B(Den(lambda x. Soda(x), o), 0.9) & B(In(o, table1), 0.9)"
+    outcome, _ = ran(tmp_path, goal, "world.3.on=table3", "expect.chosen=painted", *known, seed=seed)
+    assert outcome.end is not None
+    assert (outcome.end.status, outcome.end.anchor) == ("goal_achieved", "painted")
 
 
 @pytest.mark.parametrize("hue", [0.0, 0.35])

@@ -14,6 +14,11 @@ if TYPE_CHECKING:
     from skolem.tools.explaining import Explanation
     from skolem.tools.explanation_text import Tree
 
+PARTED = (
+    "the actions and plans below are the robot's, beliefs and reasons are what this version thinks, not what the robot "
+    "thought; `skolem replay` shows where"
+)
+
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
@@ -39,6 +44,8 @@ def explain(
     from skolem.tools.explaining import explained
 
     found = explained(trace, step)
+    if found.parts is not None and not json:
+        print(f"this version thinks otherwise from step {found.parts} on: {PARTED}\n")
     if why_not is not None:
         _print_object(found, why_not, json)
     elif json:

@@ -1,17 +1,22 @@
 """The parts of an explanation put together, in one pass over the trace."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from skolem.reasoner.terms import parse_term
 from skolem.tools.explanation import Course, Insight, Truth, course, insights, mentioned
 from skolem.tools.explanation_actions import LayerView, Rules, view
 from skolem.tools.explanation_drops import Drop, drops, truths
-from skolem.tools.explanation_end import Ending, ending
+from skolem.tools.explanation_end import Ending, ending, failure
 from skolem.tools.explanation_objects import Choice, choice
+from skolem.tools.explanation_parting import parting
+from skolem.tools.explanation_refusals import Refused
+from skolem.tools.recorded_rules import Rulebooks
 from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replaying import given_in
+from skolem.tools.rethinking import Given
+from skolem.traces.errors import InternalError, told
 from skolem.traces.messages import Memory
 
 NO_MEMORY = "an older trace, without /memory: the rules behind the action cannot be told"
@@ -30,6 +35,8 @@ class Explanation:
         drops: Why plans were dropped.
         ending: Why the run ended; None if it did not end here, or ended well.
         notes: What could not be told, and why.
+        parts: The decision from which on this version of the product thinks otherwise than the robot did; None if that
+            is not so up to this one.
     """
 
     goal: str
@@ -40,6 +47,18 @@ class Explanation:
     drops: tuple[Drop, ...]
     ending: Ending | None
     notes: tuple[str, ...]
+    parts: int | None = None
+
+
+@dataclass(slots=True)
+class _Thoughts:
+    """What thinking again has brought to light so far."""
+
+    choice: Choice | None = None
+    before: dict[str, Truth] = field(default_factory=dict)
+    now: dict[str, Truth] = field(default_factory=dict)
+    ending: Ending | None = None
+    views: tuple[LayerView, ...] = ()
 
 
 def explained(trace: Path, step: int | None) -> Explanation:
@@ -49,38 +68,62 @@ def explained(trace: Path, step: int | None) -> Explanation:
         InputError: If there is no such decision, or its rules cannot be read any more.
         TraceError: If the trace cannot be read.
     """
-    run = RecordedRun(trace)
+    run, rulebooks = RecordedRun(trace), Rulebooks()
     path = course(run, step)
+    given = given_in(run, rulebooks)
+    found, end = path.found, path.found.end
+    thoughts, notes = _Thoughts(), [] if found.memory is not None else [NO_MEMORY]
+    try:
+        _think(run, given, path, thoughts)
+    except Exception as error:
+        again = end is not None and told(error) == end.reason
+        if not again and not isinstance(error, InternalError):
+            raise
+        notes.append(f"thought again, it fails {'in the same way' if again else f'with: {str(error).splitlines()[0]}'}")
+    if end is not None and end.status == "error":
+        thoughts.ending = failure(found, end)
+        # where nothing was decided, no object was chosen and none turned down
+        thoughts.choice = thoughts.choice if path.made else None
+    return Explanation(
+        goal=run.start.goal,
+        step=found.step,
+        action="" if found.action is None else found.action.op,
+        choice=thoughts.choice,
+        layers=thoughts.views,
+        drops=drops(path, thoughts.now, thoughts.before),
+        ending=thoughts.ending,
+        notes=(*notes, *_bound(path)),
+        parts=parting(trace, found.step, rulebooks),
+    )
+
+
+def _think(run: RecordedRun, given: Given, path: Course, thoughts: _Thoughts) -> None:
+    """Think the decisions again that led to the one to explain.
+
+    Raises:
+        InternalError: If the rules fail; what was found until then is kept.
+    """
     at, made = path.found.step, path.made
     failed = path.found.end if path.found.end is not None and path.found.end.status != "goal_achieved" else None
     chosen_at = made[0] if made else at
-    rules = Rules()
-    before: dict[str, Truth] = {}
-    now: dict[str, Truth] = {}
-    found_choice, end, stack = None, None, None
-    notes = [] if path.found.memory is not None else [NO_MEMORY]
-    for insight in insights(run, given_in(run), {at - 1, at, *made}):
+    following = path.memories.get(at + 1)
+    most = run.start.limits.repeats
+    for insight in insights(run, given, {at - 1, at, *made}):
         if insight.step == at - 1:
-            before = truths(insight, path.stack)
-        if insight.step == chosen_at:
-            found_choice = choice(insight, path.root if made else _achieved(insight))
+            thoughts.before = truths(insight, path.stack)
         if insight.step == at:
-            now = truths(insight, path.stack)
-            stack = insight.stack()
-            if failed is not None and found_choice is not None:
-                end = ending(insight, found_choice, failed, stack)
-    views = _views(run, path, stack, rules) if made and stack is not None else {}
-    action = "" if path.found.action is None else path.found.action.op
-    return Explanation(
-        goal=run.start.goal,
-        step=at,
-        action=action,
-        choice=found_choice,
-        layers=tuple(views[i] for i in sorted(views)),
-        drops=drops(path, now, before),
-        ending=end,
-        notes=(*notes, *_bound(path)),
-    )
+            following = following or insight.stack()
+        if insight.step == chosen_at:
+            after = following if chosen_at == at else path.memories.get(chosen_at + 1)
+            refused = Refused(path.plans, chosen_at, after, most)
+            thoughts.choice = choice(insight, path.root if made else _achieved(insight), refused)
+        if insight.step == at:
+            thoughts.now = truths(insight, path.stack)
+            if failed is not None and thoughts.choice is not None:
+                refused = Refused(path.plans, at, following, most)
+                thoughts.ending = ending(insight, thoughts.choice, failed, following, refused.here)
+    if following is not None and len(following.layers) == len(made):
+        thoughts.views = _views(run, given, path, following)
 
 
 def _bound(path: Course) -> Iterator[str]:
@@ -99,12 +142,13 @@ def _achieved(insight: Insight) -> tuple[str, ...]:
     return tuple(map(str, insight.posed.achieved() or ()))
 
 
-def _views(run: RecordedRun, path: Course, stack: Memory, rules: Rules) -> dict[int, LayerView]:
+def _views(run: RecordedRun, given: Given, path: Course, stack: Memory) -> tuple[LayerView, ...]:
     """Return every plan of the stack, each explained in the belief in which it was made."""
+    rules = Rules()
     views: dict[int, LayerView] = {}
-    for insight in insights(run, given_in(run), path.made):
+    for insight in insights(run, given, path.made):
         rules.enter(insight)
         for i, made in enumerate(path.made):
             if made == insight.step:
                 views[i] = view(stack.layers[i], stack.current[i], made, path.within[i], rules)
-    return views
+    return tuple(views[i] for i in sorted(views))

@@ -100,6 +100,8 @@ class Course:
         stack: The plan stack with which the decision began, top first.
         bound: Where the object not met yet that the top layer was made for turned out to be a known one, and the
             subgoal since then; None if it did not.
+        plans: What happened to the stack, up to the end of the decision.
+        memories: What was remembered at the beginning of every decision, the next one included, where it is recorded.
     """
 
     found: RecordedStep
@@ -109,6 +111,8 @@ class Course:
     root: tuple[str, ...] = ()
     stack: tuple[tuple[PlanStep, ...], ...] = ()
     bound: tuple[int, tuple[str, ...]] | None = None
+    plans: list[Plan] = field(default_factory=list)
+    memories: dict[int, Memory] = field(default_factory=dict)
 
 
 def course(run: RecordedRun, step: int | None) -> Course:
@@ -123,9 +127,16 @@ def course(run: RecordedRun, step: int | None) -> Course:
     before, recorded = None, None
     stack: tuple[tuple[PlanStep, ...], ...] = ()
     bound: tuple[int, tuple[str, ...]] | None = None
+    memories: dict[int, Memory] = {}
+    changes: list[Plan] = []
     for current in run.steps():
+        if (memory := current.memory) is not None:
+            memories[current.step] = memory
+        if recorded is not None and recorded.step == step:
+            break
         before, recorded = recorded, current
         plans = current.all_of(Plan)
+        changes += plans
         found = iter([decision for decision in current.all_of(Decision) if decision.plan])
         for plan in plans:
             if plan.cause in PLANNED:
@@ -136,12 +147,12 @@ def course(run: RecordedRun, step: int | None) -> Course:
                 bound = plan.step, plan.layers[0][-1].subgoal
             del made[len(plan.layers) :], within[len(plan.layers) :]
         if current.step == step or current.last:
-            break
+            continue
         stack = plans[-1].layers if plans else stack
     assert recorded is not None, "a run without decisions has no steps to go through"
     if step not in (None, recorded.step):
         raise InputError([Fault("--step", 0, 0, f"the run has decisions 0 to {recorded.step}, got {step}")])
-    return Course(recorded, before, made, within, root, stack, bound)
+    return Course(recorded, before, made, within, root, stack, bound, changes, memories)
 
 
 # ---------------------------------------------------------------- how true something is

@@ -1,7 +1,7 @@
 """Why a run ended without success, and what would have to change for it to go on."""
 
 import math
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from skolem.reasoner.goals import nearness
@@ -9,10 +9,12 @@ from skolem.reasoner.hierarchy import PlanStack
 from skolem.reasoner.instances import title
 from skolem.reasoner.regression import Step, regress
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, parse_term, prob
-from skolem.tools.explanation import Insight, truth
+from skolem.tools.explanation import Insight, Truth, truth
 from skolem.tools.explanation_objects import Choice
 from skolem.tools.explanation_plans import IMPLAUSIBLE, planned
+from skolem.tools.explanation_refusals import Refusal, ruled_out
 from skolem.tools.recalled_geometry import NotRecordedError
+from skolem.tools.recorded_run import RecordedStep
 from skolem.traces.fluents import readable
 from skolem.traces.messages import Decision, Memory, Plan, RunEnd
 
@@ -24,7 +26,8 @@ class Remedy:
     """Something that stood in the way, and what would remove it.
 
     Attributes:
-        kind: `goal`, `property`, `threshold`, `expansions`, `plan_changes`, `steps`, `repeats`, `geometry` or `region`.
+        kind: `goal`, `property`, `threshold`, `expansions`, `plan_changes`, `steps`, `repeats`, `rule`, `geometry`,
+            `region` or `failure`.
         finding: What stood in the way.
         change: What would have to be otherwise.
     """
@@ -49,7 +52,9 @@ class Ending:
     remedies: tuple[Remedy, ...]
 
 
-def ending(insight: Insight, choice: Choice, end: RunEnd, after: Memory | None) -> Ending:
+def ending(
+    insight: Insight, choice: Choice, end: RunEnd, after: Memory | None, refused: Sequence[Refusal] = ()
+) -> Ending:
     """Return why a run ended.
 
     Args:
@@ -57,14 +62,15 @@ def ending(insight: Insight, choice: Choice, end: RunEnd, after: Memory | None) 
         choice: The objects there were to choose.
         end: How the run ended.
         after: What was remembered when it had ended; None if the trace cannot tell.
+        refused: What was refused at the last decision.
     """
-    found = [*_short_of_the_goal(choice, end), *_properties(insight, choice), *_limits(insight, end)]
+    found = [*_short_of_the_goal(choice, end), *_properties(insight, choice, end.anchor), *_limits(insight, end)]
     in_vain = _in_vain(insight, after)
     repeats = f"limits.repeats above {insight.given.limits.repeats}, or what keeps it from working"
     for name, count in in_vain.items():
         found.append(Remedy("repeats", f"{name} was done {count} times without doing what it should", repeats))
     if end.status == "goal_unachievable":
-        found += [*_threshold(insight), *_impossible(insight, in_vain), *_regions(insight)]
+        found += [*_threshold(insight), *_impossible(insight, refused, in_vain), *_regions(insight)]
     return Ending(end.status, end.reason, tuple(found))
 
 
@@ -72,27 +78,68 @@ def _short_of_the_goal(choice: Choice, end: RunEnd) -> Iterator[Remedy]:
     """The conjuncts of the goal that its closest object falls short of."""
     best = next((o for o in choice.options if o.object == end.anchor), None)
     for each in () if best is None else best.fluents:
+        if _is_met_otherwise(each, choice):
+            continue
         if each.holds is False and each.probability is not None and each.wanted is not None:
             finding = f"the goal asks for {readable(each.fluent)}; its closest object has p = {each.probability:.3f}"
             yield Remedy("goal", finding, f"a bound of at most {each.probability:.3f}, or evidence that raises p")
 
 
-def _properties(insight: Insight, choice: Choice) -> Iterator[Remedy]:
-    """How near the nearest of the known objects comes to what is meant, and further properties that none has."""
-    known = [option for option in choice.options if option.conjuncts and option.exists is not None]
-    lacking = ""
-    if known:
-        nearest = max(known, key=lambda option: nearness(option.conjuncts, option.object, insight.belief))
-        lacking = min(sorted(nearest.conjuncts), key=nearest.conjuncts.__getitem__)
-        has = ", ".join(f"{word} {p:.3g}" for word, p in nearest.conjuncts.items())
-        finding = f"of all known objects {nearest.object} comes nearest to what is meant: {has}"
-        if nearest.conjuncts[lacking] < UNLIKELY:
-            yield Remedy("property", finding, f"an object that is {lacking} besides would have to be known or found")
-    for word in sorted({word for option in known for word in option.conjuncts} - {lacking}):
-        p, name = max((o.conjuncts[word], o.object) for o in known if word in o.conjuncts)
+def _is_met_otherwise(fluent: Truth, choice: Choice) -> bool:
+    """Return whether another known object is what one of several descriptions means."""
+    match parse_term(fluent.fluent):
+        case Compound("b", (Compound("den", (str(expression), _)), _)) if len(choice.descriptions) > 1:
+            return any(option.denotes.get(expression, 0.0) >= (fluent.wanted or 1.0) for option in choice.options)
+    return False
+
+
+def _properties(insight: Insight, choice: Choice, anchor: str | None) -> Iterator[Remedy]:
+    """How near the nearest objects come to each description, `anchor` if others are as near; what none has besides."""
+    goal = insight.given.goal
+    objects = [option.object for option in choice.options if option.exists is not None]
+    objects.sort(key=lambda name: name != anchor)
+    scope = "all known objects" if goal.variables else "the objects that the goal names"
+    has: dict[str, dict[str, float]] = {name: {} for name in objects}
+    lacking: set[str] = set()
+    for expression, text in goal.expressions.items():
+        each = {name: insight.denotations.conjuncts(expression, name, insight.belief) for name in objects}
+        each = {name: conjuncts for name, conjuncts in each.items() if conjuncts}
+        if not each:
+            continue
+        nearest, finding = _nearest(insight, each, scope)
+        least = min(sorted(each[nearest]), key=each[nearest].__getitem__)
+        lacking.add(least)
+        if each[nearest][least] < UNLIKELY:
+            finding += f" (meant by {text})" if len(goal.expressions) > 1 else ""
+            yield Remedy("property", finding, f"an object that is {least} besides would have to be known or found")
+        for name, conjuncts in each.items():
+            has[name] |= conjuncts
+    for word in sorted({word for conjuncts in has.values() for word in conjuncts} - lacking):
+        p, name = max((conjuncts[word], name) for name, conjuncts in has.items() if word in conjuncts)
         if p < UNLIKELY:
-            finding = f"of all known objects {name} is the likeliest to be {word}, with p = {p:.3g}"
+            finding = f"of {scope} {name} is the likeliest to be {word}, with p = {p:.3g}"
             yield Remedy("property", finding, f"an object that is {word} would have to be known or found")
+
+
+def _nearest(insight: Insight, conjuncts: Mapping[str, Mapping[str, float]], scope: str) -> tuple[str, str]:
+    """Return the object that comes nearest to a description, and what says so, with the nearest that a hand can hold.
+
+    Args:
+        insight: The mind at the last decision.
+        conjuncts: P of every property that the description turns on, by object.
+        scope: What the objects are.
+    """
+    near = {name: nearness(found, name, insight.belief) for name, found in conjuncts.items()}
+
+    def told(name: str) -> str:
+        return ", ".join(f"{word} {p:.3g}" for word, p in conjuncts[name].items())
+
+    nearest = max(near, key=lambda name: near[name][1:])
+    movable = max(near, key=near.__getitem__)
+    finding = f"of {scope} {nearest} comes nearest to what is meant: {told(nearest)}"
+    if near[movable][0] and not near[nearest][0]:
+        finding += f"; of those that a hand can hold {movable}: {told(movable)}"
+    return nearest, finding
 
 
 def _limits(insight: Insight, end: RunEnd) -> Iterator[Remedy]:
@@ -165,11 +212,22 @@ def _below(p: float) -> float:
     return float(f"{math.floor(p / unit) * unit:.2g}")
 
 
-def _impossible(insight: Insight, in_vain: Container[str]) -> Iterator[Remedy]:
-    """Steps that could not be refined or executed in the believed world."""
-    names = {n for p in insight.recorded.all_of(Plan) if p.cause == "refused" for n in p.false_fluents}
-    for name in sorted(names - {name for name in names if title(parse_term(name)) in in_vain}):
-        finding = f"{title(parse_term(name))} was found impossible in the believed world"
+def failure(found: RecordedStep, end: RunEnd) -> Ending:
+    """Return why a run ended that failed: what failed is all that is known."""
+    done = "the next action could not be decided" if found.action is None else f"{found.action.op} could not be done"
+    finding = f"{done}, at step {found.step}: {end.reason.splitlines()[0] if end.reason else 'no reason is recorded'}"
+    change = "the rule or value that is named there; other beliefs may pass by it"
+    return Ending(end.status, end.reason, (Remedy("failure", finding, change),))
+
+
+def _impossible(insight: Insight, refused: Sequence[Refusal], in_vain: Container[str]) -> Iterator[Remedy]:
+    """Steps that could not be refined, for rules that stand against it, or not be executed in the believed world."""
+    objections = {each.op: found for each in refused if (found := ruled_out(insight, each))}
+    for op, found in sorted(objections.items()):
+        finding = f"{op} has no way to be done that the rules do not refuse: {'; '.join(map(str, found))}"
+        yield Remedy("rule", finding, "the rules that are named, or what they ask of the belief")
+    for op in sorted({each.op for each in refused if each.op not in in_vain} - objections.keys()):
+        finding = f"{op} was found impossible in the believed world"
         yield Remedy("geometry", finding, "a way to do it: other things, another arrangement, or a better known one")
     for answer in insight.recorded.answers:
         if answer.query.startswith("approach") and answer.answer is None:

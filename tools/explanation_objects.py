@@ -7,8 +7,10 @@ from skolem.reasoner.instances import title
 from skolem.reasoner.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, compound, nll, parse_term, prob, substitute
 from skolem.tools.explanation import Insight, Truth, truth
-from skolem.tools.explanation_plans import IMPLAUSIBLE, beaten, planned
+from skolem.tools.explanation_plans import IMPLAUSIBLE, Rival, beaten, planned
+from skolem.tools.explanation_refusals import Refused
 from skolem.tools.explanation_regions import RegionOption, region_options
+from skolem.traces.messages import Decision
 
 MOST_BINDINGS = 10_000  # of several variables, beyond which they are not told apart
 
@@ -59,16 +61,34 @@ class Choice:
     options: tuple[Option, ...]
 
 
-def choice(insight: Insight, subgoal: tuple[str, ...]) -> Choice:
-    """Return the options at the decision at which a plan for `subgoal` was made; if that is empty, none was chosen."""
+def choice(insight: Insight, subgoal: tuple[str, ...], refused: Refused) -> Choice:
+    """Return the options at the decision at which a plan for `subgoal` was made; if that is empty, none was chosen.
+
+    Args:
+        insight: The mind that chose.
+        subgoal: What the plan is to make true, as the trace has it.
+        refused: What it would not plan with.
+    """
     goal = insight.given.goal
     chosen = frozenset(map(parse_term, subgoal))
     worst = nll(insight.given.limits.min_plan_probability)
     found = {root: planned(insight, root, worst) for root in insight.posed.instantiations}
-    best = min((f.cost for f in found.values() if f is not None and f.steps is not None), default=None)
-    options = [_option(insight, name, roots, chosen, found, best) for name, roots in _candidates(insight)]
+    sought = bool(insight.recorded.all_of(Decision))
+    rival = Rival(bool(chosen), _cost(insight, chosen, found, refused), refused, sought)
+    options = [_option(insight, name, roots, chosen, found, rival) for name, roots in _candidates(insight)]
     options.sort(key=lambda o: (not o.chosen, -(sum(o.denotes.values())), o.object))
     return Choice(insight.step, {name: str(text) for name, text in goal.expressions.items()}, tuple(options))
+
+
+def _cost(insight: Insight, chosen: Subgoal, found: dict[Subgoal, Found | None], refused: Refused) -> int | None:
+    """Return the cost of the plan that was chosen, which does without what was refused; None if none was."""
+    plan = found.get(chosen)
+    if plan is None or plan.steps is None:
+        return None
+    if any(refused.forbids(step.instance, step.level) for step in plan.steps):
+        other = planned(insight, chosen, nll(insight.given.limits.min_plan_probability), refused.forbids)
+        plan = other if other is not None and other.steps is not None else plan
+    return plan.cost
 
 
 def _candidates(insight: Insight) -> list[tuple[Term, list[Subgoal]]]:
@@ -95,7 +115,7 @@ def _option(
     roots: list[Subgoal],
     chosen: Subgoal,
     found: dict[Subgoal, Found | None],
-    best: int | None,
+    rival: Rival,
 ) -> Option:
     offered = [root for root in roots if root in found]
     plans = [f for root in offered if (f := found[root]) is not None]
@@ -116,9 +136,9 @@ def _option(
         fluents=tuple(truth(insight, fluent) for fluent in sorted(root, key=str)),
         plan=() if plan is None else tuple(title(s.instance.called) for s in plan.steps or ()),
         probability=None if plan is None else prob(plan.cost),
-        rejected="" if is_chosen else _why_not(insight, name, offered, plans, plan, best),
+        rejected="" if is_chosen else _why_not(insight, name, offered, plans, plan, rival),
         refused=tuple(f"{c.op}: {c.rejected}" for f in plans[:1] for c in f.candidates if c.rejected),
-        regions=() if known else region_options(insight, root, plan if is_chosen else None, best),
+        regions=() if known else region_options(insight, root, plan if is_chosen else None, rival),
     )
 
 
@@ -128,13 +148,13 @@ def _why_not(
     offered: list[Subgoal],
     plans: list[Found],
     plan: Found | None,
-    best: int | None,
+    rival: Rival,
 ) -> str:
     if not offered:
         return _not_offered(insight, name)
     if plan is None:
         return _no_plan(insight, name, offered, plans)
-    return beaten(plan.cost, best)
+    return beaten(insight, plan, rival)
 
 
 def _no_plan(insight: Insight, name: Term, offered: list[Subgoal], plans: list[Found]) -> str:

@@ -1,11 +1,13 @@
 """Plans sought again as the robot sought them: for one reading of the goal, or by way of one region."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from skolem.reasoner.instances import Instance
 from skolem.reasoner.regression import Found, Subgoal, regress
 from skolem.reasoner.terms import prob
 from skolem.tools.explanation import Insight
+from skolem.tools.explanation_refusals import Refused
 from skolem.tools.recalled_geometry import NotRecordedError
 
 IMPLAUSIBLE = 0.001  # as the queries @plausible and @searchable have it
@@ -33,13 +35,35 @@ def planned(
         return None
 
 
-def beaten(cost: int, best: int | None) -> str:
-    """Return why a plan was not chosen although there is one.
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """What a plan that was not chosen is held against.
 
-    Args:
-        cost: Of the plan, micro-nats.
-        best: Of the best plan there is, for any reading; None if there is none.
+    Attributes:
+        chosen: Whether one was chosen.
+        cost: Of that one, micro-nats; None if there is none, or the trace cannot tell.
+        refused: What the robot would not plan with.
+        sought: Whether a plan was sought at this decision.
     """
-    if best is not None and cost > best:
-        return f"its best plan has p = {prob(cost):.3g}, the chosen one p = {prob(best):.3g}"
+
+    chosen: bool
+    cost: int | None
+    refused: Refused
+    sought: bool
+
+
+def beaten(insight: Insight, plan: Found, rival: Rival) -> str:
+    """Return why a plan was not chosen although there is one."""
+    p = f"{prob(plan.cost):.3g}"
+    if rival.cost is not None and plan.cost > rival.cost:
+        return f"its best plan has p = {p}, the chosen one p = {prob(rival.cost):.3g}"
+    if said := rival.refused.objection(insight, plan):
+        return f"{said}; else its plan would have p = {p}"
+    if rival.cost is None and rival.chosen:
+        return f"its best plan has p = {p}; what that of the chosen one had cannot be told"
+    if rival.cost is None:
+        said = "the run ended before it was taken up" if rival.sought else "no plan was sought any more"
+        return f"its best plan has p = {p}, but {said}"
+    if plan.cost < rival.cost:
+        return f"its best plan has p = {p}, the chosen one only p = {prob(rival.cost):.3g}; the search did not find it"
     return "its plan is as good; what is risky comes later in the chosen one, or it comes first in the belief"

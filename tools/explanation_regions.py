@@ -7,7 +7,7 @@ from skolem.reasoner.instances import Instance, title
 from skolem.reasoner.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, prob
 from skolem.tools.explanation import Insight, mentioned
-from skolem.tools.explanation_plans import IMPLAUSIBLE, beaten, planned
+from skolem.tools.explanation_plans import IMPLAUSIBLE, Rival, beaten, planned
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,17 +35,17 @@ class RegionOption:
     rejected: str
 
 
-def region_options(insight: Insight, root: Subgoal, chosen: Found | None, best: int | None) -> tuple[RegionOption, ...]:
+def region_options(insight: Insight, root: Subgoal, chosen: Found | None, rival: Rival) -> tuple[RegionOption, ...]:
     """Return every region for a reading of the goal about an object not met yet, the likeliest first.
 
     Args:
         insight: The mind that chose.
         root: The reading.
         chosen: The plan that was chosen; None if it is of another reading, or none was.
-        best: The cost of the best plan there is, for any reading, micro-nats; None if there is none.
+        rival: What plans that were not chosen are held against.
     """
     wanted = dict(_wanted(root))
-    options = [_option(insight, region, root, wanted, chosen, best) for region in insight.belief.regions()]
+    options = [_option(insight, region, root, wanted, chosen, rival) for region in insight.belief.regions()]
     return tuple(sorted(options, key=lambda o: (not o.chosen, -(o.probability or 0.0), o.cost, o.region)))
 
 
@@ -63,7 +63,7 @@ def _option(
     root: Subgoal,
     wanted: dict[str, int],
     chosen: Found | None,
-    best: int | None,
+    rival: Rival,
 ) -> RegionOption:
     situation = insight.posed.situation
     p = {e: situation.probability(Compound("exists_in", (e, region))) for e in wanted}
@@ -72,7 +72,7 @@ def _option(
     why = _not_searchable(p, contents, wanted)
     found = None if why else chosen if is_chosen else _by_way_of(insight, region, root)
     if not why and not is_chosen:
-        why = _not_chosen(insight, found, best)
+        why = _not_chosen(insight, found, rival)
     known = found is not None and found.steps is not None
     return RegionOption(
         region=region,
@@ -112,7 +112,7 @@ def _not_searchable(p: dict[str, float], contents: float, wanted: dict[str, int]
     return ""
 
 
-def _not_chosen(insight: Insight, found: Found | None, best: int | None) -> str:
+def _not_chosen(insight: Insight, found: Found | None, rival: Rival) -> str:
     if found is None:
         return "the trace does not tell: a question to the geometry was not asked in the run"
     if found.steps is None:
@@ -121,4 +121,4 @@ def _not_chosen(insight: Insight, found: Found | None, best: int | None) -> str:
     if prob(found.cost) < limits.min_plan_probability:
         least = f"below {limits.min_plan_probability:g} (limits.min_plan_probability)"
         return f"its best plan has p = {prob(found.cost):.2g}, {least}"
-    return beaten(found.cost, best)
+    return beaten(insight, found, rival)

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from skolem.reasoner.terms import CAP_MICRONATS, MICRO, prob
+from skolem.reasoner.instances import title
+from skolem.reasoner.terms import CAP_MICRONATS, MICRO, parse_term, prob
 from skolem.tools.explanation import Truth
 from skolem.tools.explanation_actions import LayerView, Link
 from skolem.tools.explanation_drops import Drop
@@ -111,7 +112,8 @@ def drop_tree(drops: Iterable[Drop]) -> Tree:
     tree = Tree("why plans were dropped")
     for drop in drops:
         if drop.cause == "refused":
-            tree.add(f"found impossible in the believed world: {', '.join(drop.refused)}")
+            names = [title(parse_term(drop.refused[0])), *map(readable, drop.refused[1:])]
+            tree.add(f"could not be planned in detail, or not be done: {', '.join(names)}")
             continue
         node = tree.add(f"plan {drop.layer + 1} ({'; '.join(drop.steps)}): no step of it can be taken")
         if drop.after:
