@@ -5,6 +5,7 @@ refused when it is too large, too deep, tagged, or when its aliases would unfold
 """
 
 import difflib
+import json
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
@@ -256,10 +257,12 @@ def _override(values: dict[str, Any], flag: str) -> tuple[str, Address]:
     address: list[str | int] = []
     for part in parents:
         key = _key(node, part)
-        if key is None or not isinstance(node[key], dict | list):
+        if key is None:
             raise InputError([_no_place(name, node, part)])
         node = node[key]
         address.append(key)
+        if not isinstance(node, dict | list):
+            raise InputError([_no_parts(name, address, node)])
     key = _key(node, last) if isinstance(node, list) else last
     if key is None:
         raise InputError([_no_place(name, node, last)])
@@ -272,6 +275,12 @@ def _key(node: Any, part: str) -> str | int | None:
     if isinstance(node, list):
         return int(part) if part.isdecimal() and int(part) < len(node) else None
     return part if part in node else None
+
+
+def _no_parts(flag: str, address: Iterable[str | int], value: Any) -> Fault:
+    whole = ".".join(map(str, address))
+    said = f"'{whole}' is {json.dumps(value)} and has no parts to set"
+    return Fault(flag, 0, 0, f"{said}; if it may be a mapping, make it one first: --set '{whole}={{...}}'")
 
 
 def _no_place(flag: str, node: Any, part: str) -> Fault:

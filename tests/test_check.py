@@ -376,9 +376,7 @@ def test_nothing_that_the_run_was_made_of_may_be_said_twice(kind: type[object], 
     assert "is there twice, or after the first message" in changed(again).message
 
 
-@pytest.mark.parametrize(
-    "name", ["rules//tmp/x.lp", "rules/../x.lp", "rules/x.txt", "rules/.lp", "notes.txt", "rules/"]
-)
+@pytest.mark.parametrize("name", ["rules//x.lp", "rules/../x.lp", "rules/x.txt", "rules/.lp", "notes.txt", "rules/"])
 def test_a_name_that_no_rule_file_has_is_noticed_though_the_start_of_the_run_says_it(
     name: str, changed: Callable[..., Flaw]
 ) -> None:

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from recordings import recorded, rewritten, unchanged
 
+from skolem.tools import cli
 from skolem.traces.diff import Change, Comparison, Tolerance, by_step, compare, tolerance_for
-from skolem.traces.messages import CLASS_OF, Belief, Message
+from skolem.traces.messages import CLASS_OF, Belief, Message, RunEnd
 from skolem.traces.reader import Recorded, Trace
 
 EXACT = Tolerance()
@@ -75,6 +76,27 @@ def test_tolerance_is_by_field_and_hashes_of_floats_are_ignored() -> None:
     assert not loose.allows("/obs.a.point[0]", 1.0, 1.9)
 
 
+@pytest.mark.parametrize("tolerance", [tolerance_for("other machine"), EXACT.with_floats(1e-6, None)])
+def test_a_true_state_whose_floats_are_tolerated_agrees_whatever_their_hash(tolerance: Tolerance) -> None:
+    a, b = (said("/truth/state", x=x, sha256=str(x)) for x in (1.0, 1.0 + 2e-16))
+    assert compared([a], [b], tolerance).identical
+    assert not compared([a], [b]).identical
+
+
+def test_without_a_tolerance_zero_is_not_minus_zero() -> None:
+    a, b = [said("/obs", x=0.0)], [said("/obs", x=-0.0)]
+    [first] = compared(a, b).divergences
+    assert first.changes == (Change(".x", 0.0, -0.0),)
+    assert compared(a, b, Tolerance(atol=1e-9)).identical
+
+
+def test_without_a_tolerance_the_same_values_in_other_bytes_are_a_difference() -> None:
+    a, b = Recorded("/obs", 0, 0, b'{"x":1}'), Recorded("/obs", 0, 0, b'{"x": 1}')
+    [first] = compared([a], [b]).divergences
+    assert first.changes == (Change(".bytes", "1}", " 1}"),)
+    assert compared([a], [b], Tolerance(atol=1e-9)).identical
+
+
 def test_every_topic_of_the_tolerance_table_exists() -> None:
     for machine in ("equal machine", "other machine"):
         tolerance = tolerance_for(machine)
@@ -129,8 +151,35 @@ def test_the_verb_compares_the_topics_it_is_told(tmp_path: Path) -> None:
     done = subprocess.run([*arguments, "--topic", "/chain", "--json"], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert set(json.loads(done.stdout)["compared"]) == {"/chain"}
+    assert json.loads(done.stdout)["identical"] is False
     done = subprocess.run([*arguments, "--topic", "/nonsense"], capture_output=True, text=True, check=False)
     assert done.returncode == 2
+
+
+def test_a_topic_that_neither_trace_has_is_refused_with_those_there_are(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    trace = str(recorded("sim1_green"))
+    monkeypatch.setattr(sys, "argv", ["skolem", "diff", trace, trace, "--topic", "/belief", "--topic", "/tf"])
+    assert cli.main() == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("--topic: neither trace has messages of /tf; there are: /action, /action/result, /belief, ")
+
+
+def test_what_a_trace_says_has_no_say_over_the_screen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def screaming(message: Recorded) -> Iterator[Message]:
+        found = unchanged(message)
+        yield found.model_copy(update={"reason": "\x1b[2J\x9b2J\x7f"}) if isinstance(found, RunEnd) else found
+
+    b = rewritten(recorded("sim1_green"), tmp_path / "b.mcap", screaming)
+    monkeypatch.setattr(sys, "argv", ["skolem", "diff", str(recorded("sim1_green")), str(b), "--topic", "/run/end"])
+    assert cli.main() == 1
+    said = capsys.readouterr().out
+    assert r'got "\u001b[2J\x9b2J\x7f"' in said
+    assert said.replace("\n", "").isprintable()
 
 
 def test_protobuf_topics_are_compared_by_field(record_run: object, tmp_path: Path) -> None:

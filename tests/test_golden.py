@@ -222,11 +222,20 @@ def test_names_that_a_manifest_cannot_hold_and_flags_without_effect_are_refused(
 
 
 def test_the_manifest_is_read_as_it_was_written(tmp_path: Path) -> None:
-    odd = Golden(scenario="a.yaml", seed=3, world="symbolic", overrides=("a.b='x \"y\"'",), why="ä\n#")
+    odd = Golden(scenario="a.yaml", seed=3, world="symbolic", overrides=("a.b='x \"y\"'",), why="ä\n#\x7f\x1b\\")
     write_manifest(tmp_path, {"b": odd, "a": odd})
     assert list(read_manifest(tmp_path)) == ["a", "b"]
     assert read_manifest(tmp_path)["b"] == odd
     assert tomllib.loads((tmp_path / MANIFEST).read_text())["a"]["overrides"] == ["a.b='x \"y\"'"]
+
+
+def test_a_reason_that_no_manifest_can_hold_is_refused_before_anything_runs(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["sim1_green", "--reason", "caf\udce9", "--folder", str(FOLDER)]
+    monkeypatch.setattr("sys.argv", ["skolem", "trace", "bless", *arguments])
+    assert cli.main() == 2
+    assert capsys.readouterr().err.startswith("--reason: is not text that a file can hold")
 
 
 @pytest.mark.parametrize(

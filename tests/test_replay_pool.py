@@ -1,5 +1,6 @@
 """Folders of traces replayed in several processes: as if one after the other."""
 
+import json
 import os
 from pathlib import Path
 
@@ -8,6 +9,8 @@ from recordings import recorded
 
 from skolem.tools.cli import main
 from skolem.tools.replay_pool import reports
+from skolem.tools.replay_reports import Report, Wanted
+from skolem.tools.replayer import Replayer
 from skolem.traces.errors import InternalError
 
 SHARED = ("--workers", "2")
@@ -50,6 +53,31 @@ def test_processes_are_told_what_would_be_otherwise(capsys: pytest.CaptureFixtur
     alone = printed(capsys, *traces, "--set", "limits.steps=2")
     assert (alone[0], alone[1][-1]) == (1, "2 traces: 2 changed")
     assert printed(capsys, *traces, "--set", "limits.steps=2", *SHARED) == alone
+
+
+def test_a_trace_over_which_we_fail_does_not_keep_others_from_being_replayed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bad, good = str(recorded("occluded")), str(recorded("sim1_green"))
+    report = Replayer.report
+
+    def fails(self: Replayer, path: Path) -> Report:
+        return report(self, path) if str(path) != bad else 1 / 0  # type: ignore[return-value]
+
+    monkeypatch.setattr(Replayer, "report", fails)
+    status, lines = printed(capsys, bad, good)
+    said = [line.removeprefix(f"{bad}: ").removeprefix(f"{good}: ") for line in lines]
+    assert (status, said[0]) == (4, "internal error: ZeroDivisionError: division by zero")
+    assert said[1].startswith("IDENTICAL: ")
+    assert said[2] == "2 traces: 1 identical, 1 internal"
+    status, lines = printed(capsys, bad, good, "--json")
+    assert (status, [json.loads(line)["status"] for line in lines]) == (4, ["internal", "identical"])
+
+
+def test_a_process_that_fails_over_a_trace_goes_on_with_the_next() -> None:
+    traces = [recorded("sim1_green"), recorded("occluded")]
+    wrong = Wanted("x", False, False, None, None, False, None, ())  # type: ignore[arg-type]
+    assert [report.status for report in reports(traces, wrong, 2)] == ["internal", "internal"]
 
 
 def test_what_is_wrong_whatever_the_trace_is_told_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

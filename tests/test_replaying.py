@@ -6,25 +6,29 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import pytest
 from recordings import recorded, rewritten, unchanged
 
 from skolem.reasoner.agent import Agent
 from skolem.reasoner.instances import Instance
+from skolem.tools import cli
 from skolem.tools.fingerprint import differences
 from skolem.tools.live import Silence
+from skolem.tools.mind import Mind
 from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replaying import Options, Replayed, replay
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.codec import counter_of
 from skolem.traces.diff import Tolerance, tolerance_for
-from skolem.traces.errors import InputError, TraceError
+from skolem.traces.errors import InputError, InternalError, TraceError
 from skolem.traces.messages import JSON_TOPICS, ActionResult, Decision, Memory, Message, Observation, Plan
 from skolem.traces.reader import Recorded, Trace
 
 EXACT = Tolerance()
+DOES_NOT_COME_AGAIN = "the recorded error (InternalError: boom) does not come again"
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
 GOLDEN = Path(__file__).parent / "golden"
 OLDER = Path(__file__).parent / "data" / "older.mcap"
@@ -240,6 +244,59 @@ def test_a_run_that_failed_is_replayed_up_to_its_failure(tmp_path: Path, monkeyp
     replayed = again(path)
     assert replayed.comparison.divergences == []
     assert replayed.decisions == 3
+
+
+def failing(patch: pytest.MonkeyPatch, kind: type[object], method: str, error: Exception) -> None:
+    """Have a method fail at the fourth call of each run."""
+    original, calls = getattr(kind, method), WeakKeyDictionary[object, int]()
+
+    def fails(self: object, *args: object) -> object:
+        calls[self] = calls.get(self, 0) + 1
+        if calls[self] == 4:
+            raise error
+        return original(self, *args)
+
+    patch.setattr(kind, method, fails)
+
+
+def failed(path: Path, patch: pytest.MonkeyPatch, kind: type[object], method: str) -> Path:
+    """Return the trace of a run in which a method fails at the fourth call, as it will until the patch is undone."""
+    failing(patch, kind, method, InternalError("boom"))
+    with pytest.raises(InternalError):
+        run(prepare(SCENARIOS / "sim1_green.yaml", (), 0, "symbolic"), path, Silence(), Stopwatch(), Outcome())
+    return path
+
+
+@pytest.mark.parametrize(("part", "method"), [(Agent, "decide"), (Mind, "update")])
+def test_an_error_of_the_mind_comes_again_or_is_said_not_to(
+    part: type[object], method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = failed(tmp_path / "run.mcap", monkeypatch, part, method)
+    replayed = again(path)
+    assert (replayed.identical, replayed.other_end) == (True, "")
+    monkeypatch.undo()
+    mended = again(path)
+    assert (mended.identical, mended.other_end) == (True, DOES_NOT_COME_AGAIN)
+
+
+def test_an_error_of_the_world_is_said_not_to_come_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from skolem.sim.symbolic import SymbolicWorld
+
+    path = failed(tmp_path / "run.mcap", monkeypatch, SymbolicWorld, "execute")
+    monkeypatch.setattr(sys, "argv", ["skolem", "replay", str(path)])
+    assert cli.main() == 0
+    said = capsys.readouterr().out
+    assert said.startswith(f"{path}: IDENTICAL: 4 decisions, ")
+    assert said.endswith(f"; {DOES_NOT_COME_AGAIN}\n")
+
+
+def test_another_error_than_the_recorded_one_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = failed(tmp_path / "run.mcap", monkeypatch, Mind, "update")
+    monkeypatch.undo()
+    failing(monkeypatch, Mind, "update", ValueError("bang"))
+    assert again(path).other_end == f"{DOES_NOT_COME_AGAIN}, but another: ValueError: bang"
 
 
 def test_a_record_may_stop_anywhere(tmp_path: Path) -> None:

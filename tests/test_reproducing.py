@@ -1,16 +1,22 @@
 """A recorded run, run again from its trace alone."""
 
+import sys
 from pathlib import Path
 
 import pytest
 from recordings import recorded, rewritten, unchanged
 
+from skolem.tools import cli
 from skolem.tools.live import Silence
-from skolem.tools.reproducing import reproduce, setup_in
+from skolem.tools.mind import Mind
+from skolem.tools.reproducing import end_of_again, reproduce, setup_in
+from skolem.tools.session import Outcome, run
+from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.diff import Comparison, Tolerance
-from skolem.traces.errors import TraceError
+from skolem.traces.errors import InternalError, TraceError
 from skolem.traces.messages import TrueState
 from skolem.traces.reader import Trace
+from skolem.traces.writer import partial_of
 
 
 def again(path: Path, out: Path) -> Comparison:
@@ -60,6 +66,47 @@ def test_a_run_that_was_cut_short_is_compared_as_far_as_it_goes(tmp_path: Path) 
 
     path = rewritten(recorded("sim1_green"), tmp_path / "t.mcap", first_ones)  # type: ignore[arg-type]
     assert again(path, tmp_path / "again.mcap").divergences == []
+
+
+def test_an_error_that_does_not_come_again_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fails(self: Mind, *_: object) -> None:
+        raise InternalError("boom")
+
+    path, out = tmp_path / "t.mcap", tmp_path / "again.mcap"
+    setup = setup_in(Trace(recorded("sim1_green")))
+    monkeypatch.setattr(Mind, "update", fails)
+    with pytest.raises(InternalError):
+        run(setup, path, Silence(), Stopwatch(), Outcome())
+    assert again(path, out).identical
+    assert end_of_again(Trace(path), Trace(out)) == ""
+    monkeypatch.undo()
+    monkeypatch.setattr(sys, "argv", ["skolem", "reproduce", "-q", str(path)])
+    assert cli.main() == 0
+    said = capsys.readouterr().out
+    assert said.endswith(" messages: IDENTICAL; the recorded error (InternalError: boom) does not come again\n")
+
+
+def test_the_new_trace_is_kept_beside_what_a_killed_run_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old, keep = recorded("sim1_green"), tmp_path / "new" / "k.mcap"
+    left = partial_of(keep)
+    left.parent.mkdir()
+    left.write_text("steps")
+    monkeypatch.setattr(sys, "argv", ["skolem", "reproduce", "-q", str(old), "--keep", str(keep)])
+    assert cli.main() == 0
+    assert keep.read_bytes() == old.read_bytes()
+    assert {*keep.parent.iterdir()} == {keep, left}
+
+
+def test_a_place_where_nothing_can_be_kept_is_refused_before_anything_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("")
+    keep = str(tmp_path / "file" / "k.mcap")
+    monkeypatch.setattr(sys, "argv", ["skolem", "reproduce", "-q", str(recorded("sim1_green")), "--keep", keep])
+    assert cli.main() == 2
+    assert capsys.readouterr().err.startswith(f"--keep: cannot write to {keep}: ")
 
 
 def test_a_trace_without_its_scenario_cannot_be_run(record_run: object, tmp_path: Path) -> None:

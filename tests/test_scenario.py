@@ -142,6 +142,10 @@ def test_an_override_replaces_a_value_and_is_part_of_the_text_that_is_recorded(
         ("nois.x=1", "--set nois.x=1: nothing to set at 'nois'; did you mean 'noise'?"),
         ("world.9.id=x", "nothing to set at '9'; there are: 0, 1, 2, 3, 4, 5"),
         ("seed", "--set seed: expected a.b=value"),
+        (
+            "model.x=1",
+            "'model' is \"same\" and has no parts to set; if it may be a mapping, make it one first: --set 'mod",
+        ),
         ("seed=[1", "not YAML"),
     ],
 )

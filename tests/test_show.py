@@ -15,6 +15,7 @@ from skolem.traces.messages import Action, Belief, Candidate, Decision, Plan, Ru
 from skolem.traces.reader import Trace
 
 Called = Callable[..., tuple[int, str, str]]
+SCREAM = "\x1b]0;pwned\x07\x9b2J\u202e\nyes"
 
 
 @pytest.fixture
@@ -178,6 +179,26 @@ def test_info_gives_what_the_run_was_made_of_and_how_it_went(green_trace: Path, 
     assert said["topics"]["/obs"]["class"] == "INPUT"
     assert {f"rules/{name}" for name in said["rules_sha256"]} | {"scenario.yaml"} == set(said["attachments"])
     assert "python" in said["environment"]
+
+
+@pytest.mark.parametrize("verb", ["info", "show", "show --step LAST"])
+def test_what_a_trace_says_has_no_say_over_the_screen(
+    verb: str, tmp_path: Path, green_trace: Path, called: Called
+) -> None:
+    def screaming(message: Message) -> Message:
+        data = json.loads(message.data)
+        if data.get("status") != "goal_achieved":
+            return message
+        return replace(message, data=json.dumps(data | {"reason": SCREAM}).encode())
+
+    path = str(rewrite(green_trace, tmp_path / "loud.mcap", each(Message, screaming)))
+    last = str(max(belief.step for belief in Trace(green_trace).of(Belief)))
+    arguments = verb.replace("LAST", last).split()
+    status, out, _ = called(arguments[0], path, *arguments[1:])
+    assert (status, r"goal_achieved: \x1b]0;pwned\x07\x9b2J\u202e\nyes" in out) == (0, True)
+    assert out.replace("\n", "").isprintable()
+    said = json.loads(called(arguments[0], path, *arguments[1:], "--json")[1])
+    assert SCREAM in (said.get("reason"), (said.get("end") or {}).get("reason"))
 
 
 def counts(run: Trace) -> dict[str, int]:

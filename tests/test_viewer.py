@@ -7,9 +7,11 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from threading import Timer
+from typing import IO
 
 import psutil
 import pytest
@@ -22,6 +24,7 @@ from skolem.tools import viewer, viewing
 from skolem.tools.viewer import LOOPBACK, complaints
 from skolem.traces.errors import InputError
 from skolem.traces.reader import Trace
+from skolem.traces.writer import partial_of
 
 pytestmark = pytest.mark.viewer
 SKOLEM = [sys.executable, "-c", "from skolem.tools.cli import main; raise SystemExit(main())"]
@@ -106,8 +109,9 @@ def test_a_run_is_drawn_while_it_is_recorded(tmp_path: Path) -> None:
     need_driver()
     path, alone = tmp_path / "run.mcap", recorded("sim1_green", overrides=("limits.steps=2",))
     short = ["--set", "limits.steps=2", "--seed", "0", "--world", "symbolic"]
-    growing = path.with_name("run.mcap.partial").open("wb")  # held open, whatever name it gets
     run = subprocess.Popen([*SKOLEM, "run", str(SCENARIOS / "sim1_green.yaml"), *short, "-q", "-o", str(path)])
+    while (growing := begun(path)) is None:
+        assert run.poll() is None
     with growing, viewer.viewer("headless") as shown:
         alarm = Timer(LONG_S, os.kill, (shown.pid, signal.SIGTERM))  # nothing grows if the run fails at its start
         alarm.start()
@@ -117,6 +121,14 @@ def test_a_run_is_drawn_while_it_is_recorded(tmp_path: Path) -> None:
         assert until(lambda: len(client.get_state().views) > 0 and not complaints(client), 20.0), complaints(client)
     assert run.wait(30) == 1  # the limit was reached
     assert path.read_bytes() == alone.read_bytes()
+
+
+def begun(trace: Path) -> IO[bytes] | None:
+    """Return a trace that is being written, held open whatever name it gets; None if it is not there yet."""
+    for path in (partial_of(trace), trace):
+        with suppress(FileNotFoundError):
+            return path.open("rb")
+    return None
 
 
 def test_it_keeps_its_files_apart_and_is_told_to_send_no_statistics(tmp_path: Path) -> None:

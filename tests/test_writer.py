@@ -105,6 +105,53 @@ def test_ctrl_c_in_the_middle_of_a_message_or_of_closing_tears_nothing(
         assert next(Trace(path).of(TrueState)) == TRUE_STATE
 
 
+def test_ctrl_c_while_the_file_is_begun_leaves_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Writer, "register_schema", lambda *_: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt), open_writer(tmp_path / "a.mcap"):
+        pytest.fail("the block was entered")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_request_to_end_that_is_made_again_tears_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    handler = signal.signal(signal.SIGALRM, signal.default_int_handler)  # as the command line does
+    original = Writer.add_message
+
+    def interrupted(*args: object) -> None:
+        signal.raise_signal(signal.SIGALRM)
+        original(*args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Writer, "add_message", interrupted)
+    try:
+        with pytest.raises(KeyboardInterrupt), open_writer(tmp_path / "a.mcap") as writer:
+            writer.write("/truth/state", TRUE_STATE, 100)
+    finally:
+        signal.signal(signal.SIGALRM, handler)
+    assert next(Trace(tmp_path / "a.mcap").of(TrueState)) == TRUE_STATE
+
+
+def test_what_a_killed_run_left_is_never_replaced(tmp_path: Path) -> None:
+    left = tmp_path / "a.mcap.partial"
+    left.write_text("steps")
+    with (
+        pytest.raises(InputError, match=r"skolem recover .*a\.mcap\.partial -o FILE"),
+        open_writer(tmp_path / "a.mcap"),
+    ):
+        pytest.fail("the block was entered")
+    assert left.read_text() == "steps"
+
+
+def test_of_two_runs_that_write_one_trace_at_once_the_second_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with open_writer(path) as writer:
+        with pytest.raises(InputError, match="another run is writing it"), open_writer(path):
+            pytest.fail("the block was entered")
+        writer.write("/truth/state", TRUE_STATE, 100)
+    assert writer.content_hash == Trace(path).content_hash
+    with open_writer(path):  # a complete one may be replaced
+        pass
+    assert [file.name for file in tmp_path.iterdir()] == ["a.mcap"]
+
+
 def test_a_run_that_forgets_its_end_record_gets_one(tmp_path: Path, record_run: Callable[..., str]) -> None:
     path = tmp_path / "a.mcap"
     record_run(path, steps=2, last_words=False)
@@ -214,8 +261,8 @@ def test_nothing_is_decided_after_the_end_but_the_verdict_may_follow(tmp_path: P
 
 def test_a_path_that_cannot_be_written_is_the_users_mistake(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot write the trace here"):
-        open_writer(tmp_path / "file" / "a.mcap")
+    with pytest.raises(InputError, match="cannot write the trace here"), open_writer(tmp_path / "file" / "a.mcap"):
+        pytest.fail("the block was entered")
 
 
 def test_missing_folders_are_made(tmp_path: Path) -> None:

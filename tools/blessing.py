@@ -13,7 +13,7 @@ from skolem.tools.trace_account import account
 from skolem.traces.check import check
 from skolem.traces.diff import by_step, compare, tolerance_for
 from skolem.traces.errors import Fault, InputError, TraceError
-from skolem.traces.golden import MAX_BYTES, Golden, golden_path, keep_decisions, read_manifest, write_manifest
+from skolem.traces.golden import MAX_BYTES, Golden, golden_path, is_text, keep_decisions, read_manifest, write_manifest
 from skolem.traces.reader import Trace
 
 
@@ -48,8 +48,11 @@ def bless(folder: Path, name: str, recipe: Golden, reason: str) -> Blessed:
         reason: Why the trace may change.
 
     Raises:
-        InputError: With every fault of the scenario, or if the trace would be too large.
+        InputError: With every fault of the scenario, or if the manifest cannot hold the reason, or the trace would be
+            too large.
     """
+    if not is_text(reason):
+        raise InputError([Fault("--reason", 0, 0, "is not text that a file can hold: it has bytes that are not UTF-8")])
     goldens = read_manifest(folder)
     with TemporaryDirectory(dir=folder) as work:
         full, lean = Path(work) / "full.mcap", Path(work) / "lean.mcap"

@@ -9,6 +9,7 @@ import typer
 
 from skolem.traces.check import Checked
 from skolem.traces.check import check as check_trace
+from skolem.traces.printable import printable
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -30,7 +31,8 @@ def check(
     for path in traces:
         found = check_trace(path)
         sound &= found.sound
-        print(json_format.dumps(_fields(found)) if json else _text(found))
+        text = json_format.dumps(_fields(found)) if json else "\n".join(map(printable, _text(found).splitlines()))
+        print(text)
     raise typer.Exit(0 if sound else 3)
 
 

@@ -1,7 +1,7 @@
 """The verb `diff`."""
 
 import json as json_format
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +11,7 @@ from skolem.tools.divergences import comparison_fields, divergence_lines
 from skolem.traces.diff import Tolerance, by_step, compare
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import CLASS_OF, PERF
+from skolem.traces.printable import printable
 from skolem.traces.reader import Recorded, Trace
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -38,19 +39,33 @@ def diff(
     if unknown := sorted(topics - CLASS_OF.keys()):
         raise InputError([Fault("--topic", 0, 0, f"no topic {unknown[0]}; there are: {', '.join(CLASS_OF)}")])
     one, other = Trace(a), Trace(b)
+    _refuse_absent(topic or [], one, other)
     tolerance = Tolerance().with_floats(atol or None, rtol or None)
     comparison = compare(_steps(one, topics), _steps(other, topics), tolerance, all_)
     attached = sorted(one.attachments.keys() | other.attachments.keys())
     changed = [name for name in attached if one.attachments.get(name) != other.attachments.get(name)]
     if json:
-        print(json_format.dumps({"a": str(a), "b": str(b), "attachments": changed, **comparison_fields(comparison)}))
+        fields = {"a": str(a), "b": str(b), "identical": comparison.identical, "attachments": changed}
+        print(json_format.dumps(fields | comparison_fields(comparison)))
     else:
         messages = comparison.compared.total()
         word = "IDENTICAL" if comparison.identical else f"{comparison.differing.total()} differ"
-        print("\n".join([f"{messages} messages: {word}", *divergence_lines(comparison)]))
-        if changed:
-            print(f"attached files that differ: {', '.join(changed)}")
+        lines = [f"{messages} messages: {word}", *divergence_lines(comparison)]
+        lines += [f"attached files that differ: {', '.join(changed)}"] if changed else []
+        print("\n".join(map(printable, lines)))
     raise typer.Exit(0 if comparison.identical else 1)
+
+
+def _refuse_absent(topics: Collection[str], one: Trace, other: Trace) -> None:
+    """Refuse a topic that is in neither trace: nothing would be compared, and that is not agreement."""
+    there = {message.topic for trace in (one, other) for message in trace.messages()} if topics else set()
+    faults = [
+        Fault("--topic", 0, 0, f"neither trace has messages of {topic}; there are: {', '.join(sorted(there))}")
+        for topic in topics
+        if topic not in there
+    ]
+    if faults:
+        raise InputError(faults)
 
 
 def _steps(trace: Trace, topics: frozenset[str]) -> Iterator[list[Recorded]]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.printable import printable
 
 if TYPE_CHECKING:
     from skolem.tools.explaining import Explanation
@@ -71,7 +72,7 @@ def _print_object(found: "Explanation", name: str, json: bool) -> None:
 def _print_all(found: "Explanation") -> None:
     from skolem.tools.explanation_text import action_tree, choice_tree, drop_tree, end_tree
 
-    print(f"goal: {found.goal}\nstep {found.step}: {found.action or 'no action'}")
+    print(f"goal: {printable(found.goal)}\nstep {found.step}: {printable(found.action or 'no action')}")
     trees = [] if found.choice is None else [choice_tree(found.choice)]
     trees += [action_tree(found.action, found.layers)] if found.layers else []
     trees += [drop_tree(found.drops)] if found.drops else []
@@ -80,7 +81,7 @@ def _print_all(found: "Explanation") -> None:
         print()
         _print(tree)
     for note in found.notes:
-        print(f"\nnote: {note}")
+        print(f"\nnote: {printable(note)}")
 
 
 def _print(tree: "Tree") -> None:
@@ -95,7 +96,7 @@ def _print(tree: "Tree") -> None:
     from rich.tree import Tree as RichTree
 
     def branch(of: "Tree", style: str) -> RichTree:
-        found = RichTree(Text(of.line, style))
+        found = RichTree(Text(printable(of.line), style))
         found.children = [branch(below, "") for below in of.below]
         return found
 

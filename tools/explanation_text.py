@@ -13,6 +13,7 @@ from skolem.tools.explanation_objects import Choice, Option
 from skolem.tools.explanation_regions import RegionOption
 from skolem.tools.optimality import optimality
 from skolem.traces.fluents import readable
+from skolem.traces.printable import printable
 
 
 @dataclass(slots=True)
@@ -30,7 +31,7 @@ class Tree:
 
 def lines(tree: Tree, first: str = "", rest: str = "") -> Iterator[str]:
     """Yield a tree as text with branches."""
-    yield first + tree.line
+    yield first + printable(tree.line)
     for i, below in enumerate(tree.below):
         last = i == len(tree.below) - 1
         yield from lines(below, rest + ("└─ " if last else "├─ "), rest + ("   " if last else "│  "))

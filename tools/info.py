@@ -10,6 +10,7 @@ import typer
 from skolem.tools.optimality import optimality_of_all
 from skolem.tools.trace_account import Account, account
 from skolem.traces.messages import CLASS_OF
+from skolem.traces.printable import printable
 from skolem.traces.reader import Trace
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -28,7 +29,7 @@ def info(
     """
     run = Trace(trace)
     found = account(run)
-    print(json_format.dumps(_fields(run, found)) if json else "\n".join(_lines(run, found)))
+    print(json_format.dumps(_fields(run, found)) if json else "\n".join(map(printable, _lines(run, found))))
 
 
 def _fields(run: Trace, found: Account) -> dict[str, object]:

@@ -92,7 +92,7 @@ def _given_by_scenario(run: RecordedRun, changes: Changes, rulebook: Rulebook) -
 def _document(run: RecordedRun, overrides: Sequence[str]) -> Document:
     if SCENARIO not in run.attachments:
         raise TraceError(f"{run.path}: holds no {SCENARIO}, so nothing of it can be set")
-    return read_document(SCENARIO, run.attachments[SCENARIO].decode(), overrides)
+    return read_document(SCENARIO, run.attachments[SCENARIO].decode(errors="replace"), overrides)
 
 
 def _at(threshold: float, goal: Goal) -> Goal:

@@ -53,7 +53,7 @@ def replay(
     """Think recorded runs again without a simulator, and compare; or see what other rules or goals would decide.
 
     Exit status: 0 identical, or no decision changes; 1 a run diverges, or a decision changes; 2 bad input; 3 a trace
-    cannot be read.
+    cannot be read; 4 internal error.
     """
     from skolem.tools import replay_reports
 

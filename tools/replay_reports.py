@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Literal
 
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.printable import printable
 
-BAD_INPUT, BAD_TRACE = 2, 3
+BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
 PAYS = 8  # traces a process: it takes as long to start as a few replays
-Status = Literal["identical", "diverged", "same", "changed", "bad_input", "unsound"]
+Status = Literal["identical", "diverged", "same", "changed", "bad_input", "unsound", "internal"]
 EXIT: dict[Status, int] = {
     "identical": 0,
     "same": 0,
@@ -20,6 +21,7 @@ EXIT: dict[Status, int] = {
     "changed": 1,
     "bad_input": BAD_INPUT,
     "unsound": BAD_TRACE,
+    "internal": INTERNAL,
 }
 
 
@@ -77,7 +79,7 @@ def execute(traces: Sequence[Path], wanted: Wanted, workers: int | None, json: b
         if json:
             print(json_format.dumps({"trace": str(path), "status": report.status, **report.fields}), flush=True)
         else:
-            first, *others = report.lines
+            first, *others = map(printable, report.lines)
             print("\n".join([f"{path}: {first}", *(f"  {line}" for line in others)]), flush=True)
     if len(traces) > 1 and not json:
         counts = ", ".join(f"{count} {status.replace('_', ' ')}" for status, count in sorted(found.items()))

@@ -48,6 +48,9 @@ class Replayer:
             return Report("bad_input", str(error).splitlines(), {"reason": str(error)})
         except TraceError as error:
             return Report("unsound", [str(error).removeprefix(f"{path}: ")], {"reason": str(error)})
+        except Exception as error:  # a fault of ours; the other traces are replayed all the same
+            reason = f"{type(error).__name__}: {error}"
+            return Report("internal", [f"internal error: {reason}; replay it alone to see where"], {"reason": reason})
 
     def _replayed(self, run: RecordedRun) -> Report:
         wanted = self._wanted
@@ -70,7 +73,8 @@ def _headline(replayed: Replayed) -> str:
     word = "IDENTICAL" if replayed.identical else "DIVERGED"
     messages = f"{compared} messages" if replayed.identical else f"{differing} of {compared} messages"
     end = "" if replayed.ended or replayed.stopped else ", the record has no end"
-    return f"{word}: {replayed.decisions} decisions, {messages}{end}; {_speed(replayed)}"
+    error = f"; {replayed.other_end}" if replayed.other_end else ""
+    return f"{word}: {replayed.decisions} decisions, {messages}{end}; {_speed(replayed)}{error}"
 
 
 def _speed(replayed: Replayed) -> str:
@@ -84,6 +88,7 @@ def _fields(replayed: Replayed, other: list[str]) -> dict[str, object]:
     return {
         "decisions": replayed.decisions,
         "ended": replayed.ended,
+        "other_end": replayed.other_end,
         "stopped": replayed.stopped,
         "simulated_s": round(replayed.simulated_s, 3),
         "replay_s": round(replayed.seconds, 3),

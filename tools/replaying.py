@@ -12,8 +12,8 @@ from skolem.tools.recorded_run import CUT_SHORT, RecordedRun, RecordedStep
 from skolem.tools.rethinking import Given, Rethinking, Thought
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.diff import Comparison, Tolerance
-from skolem.traces.errors import Fault, InputError
-from skolem.traces.messages import TICKS_PER_SECOND, Action
+from skolem.traces.errors import Fault, InputError, told
+from skolem.traces.messages import TICKS_PER_SECOND, Action, RunEnd
 from skolem.traces.reader import Recorded
 
 
@@ -49,6 +49,7 @@ class Replayed:
         recorded_s: Wall time of the run; None if it was not recorded.
         ended: Whether the trace has the end of the run.
         stopped: Why the replay ended before the trace did; empty if it did not.
+        other_end: That the run ended in an error, and thinking it again does not; empty if there is nothing to say.
     """
 
     comparison: Comparison
@@ -58,6 +59,7 @@ class Replayed:
     recorded_s: float | None = None
     ended: bool = False
     stopped: str = ""
+    other_end: str = ""
 
     @property
     def identical(self) -> bool:
@@ -114,6 +116,19 @@ def same_act(a: Action, b: Action) -> bool:
     return (a.op, a.args, a.command.kind) == (b.op, b.args, b.command.kind)
 
 
+def other_end(recorded: RunEnd | None, failure: str) -> str:
+    """Return in words that a run ended in an error, and doing it again does not; empty if there is nothing to say.
+
+    Args:
+        recorded: How it ended.
+        failure: The error in which it ends now; empty if in none.
+    """
+    if recorded is None or recorded.status != "error" or failure == recorded.reason:
+        return ""
+    now = f", but another: {failure}" if failure else ""
+    return f"the recorded error ({recorded.reason}) does not come again{now}"
+
+
 def _geometry(run: RecordedRun, options: Options) -> RecalledGeometry:
     if not options.plan_motions:
         return RecalledGeometry()
@@ -129,14 +144,32 @@ def _rethink(mind: Rethinking, recorded: RecordedStep, options: Options, replaye
     replayed.decisions += 1
     replayed.simulated_s = recorded.messages[-1].tick / TICKS_PER_SECOND
     replayed.ended = recorded.end is not None
-    if recorded.action is None or recorded.met is None:
-        return
-    if options.re_anchor:
-        mind.go_on(recorded.action, recorded)
-    elif thought.action is not None and same_act(thought.action, recorded.action):
-        mind.go_on(thought.action, recorded)
-    else:
-        replayed.stopped = f"what follows in the trace came of {recorded.action.op}, not of {thought.outcome}"
+    failure = _failure(thought)
+    if recorded.action is not None and recorded.met is not None:
+        if options.re_anchor:
+            failure = _go_on(mind, recorded.action, recorded)
+        elif thought.action is not None and same_act(thought.action, recorded.action):
+            failure = _go_on(mind, thought.action, recorded)
+        else:
+            replayed.stopped = f"what follows in the trace came of {recorded.action.op}, not of {thought.outcome}"
+    replayed.other_end = other_end(recorded.end, failure)
+
+
+def _failure(thought: Thought) -> str:
+    """Return the error in which a decision ended: none if it only asked further than the record goes."""
+    asks = bool(thought.messages) and thought.messages[-1].topic == "/geometry"
+    return "" if asks else thought.failure
+
+
+def _go_on(mind: Rethinking, action: Action, recorded: RecordedStep) -> str:
+    """Take in what came of an action; return why that failed, where the run failed too: empty if it did not."""
+    try:
+        mind.go_on(action, recorded)
+    except Exception as error:
+        if recorded.end is None or recorded.end.status != "error":
+            raise
+        return told(error)
+    return ""
 
 
 def _comparable(recorded: RecordedStep, thought: Thought) -> tuple[list[Recorded], list[Recorded]]:

@@ -1,13 +1,16 @@
 """The verb `reproduce`."""
 
 import json as json_format
-import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
 
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.printable import printable
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -44,15 +47,36 @@ def reproduce(
     other = fingerprint.differences(old.metadata.get("env", {}))
     tolerance = tolerance_for("other machine" if other else "equal machine").with_floats(atol, rtol)
     setup = reproducing.setup_in(old)
-    with tempfile.TemporaryDirectory() as folder, watcher_for(setup, quiet or json) as watcher:
-        out = keep or Path(folder) / "again.mcap"
+    with _kept(keep) as out, watcher_for(setup, quiet or json) as watcher:
         comparison = reproducing.reproduce(old, setup, out, watcher, tolerance, all_)
+        other_end = reproducing.end_of_again(old, Trace(out))
     if json:
-        fields = {"trace": str(trace), "identical": comparison.identical, "machine_differs_in": other}
-        print(json_format.dumps(fields | comparison_fields(comparison)))
+        fields = {"trace": str(trace), "identical": comparison.identical, "other_end": other_end}
+        print(json_format.dumps(fields | {"machine_differs_in": other} | comparison_fields(comparison)))
     else:
         word = "IDENTICAL" if comparison.identical else f"{comparison.differing.total()} differ"
         machine = [f"recorded on another machine ({', '.join(other)}): floats compared with tolerance"] if other else []
-        head = f"{trace}: {comparison.compared.total()} messages: {word}"
-        print("\n".join([head, *machine, *divergence_lines(comparison)]))
+        head = f"{trace}: {comparison.compared.total()} messages: {word}{f'; {other_end}' if other_end else ''}"
+        print("\n".join(map(printable, [head, *machine, *divergence_lines(comparison)])))
     raise typer.Exit(0 if comparison.identical else 1)
+
+
+@contextmanager
+def _kept(keep: Path | None) -> Iterator[Path]:
+    """Give the block a path to write a trace to, and put what it wrote to `keep`, if it is to be kept.
+
+    It lies in a folder of its own until then: what is left if we are killed is in nobody's way.
+    """
+    try:
+        if keep is not None:
+            keep.parent.mkdir(parents=True, exist_ok=True)
+        folder = TemporaryDirectory(dir=None if keep is None else keep.parent)
+    except OSError as error:
+        raise InputError([Fault("--keep", 0, 0, f"cannot write to {keep}: {error.strerror}")]) from error
+    with folder:
+        out = Path(folder.name) / "again.mcap"
+        try:
+            yield out
+        finally:
+            if keep is not None and out.exists():
+                out.replace(keep)

@@ -6,7 +6,8 @@ from pathlib import Path
 from skolem.sim.scenario import read_document
 from skolem.tools.other_minds import SCENARIO
 from skolem.tools.recorded_rules import rulebook_of
-from skolem.tools.recorded_run import CUT_SHORT
+from skolem.tools.recorded_run import CUT_SHORT, check_made_of
+from skolem.tools.replaying import other_end
 from skolem.tools.session import Outcome, Setup, Watcher, run, understood
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.diff import Comparison, Tolerance, by_step
@@ -22,12 +23,13 @@ def setup_in(trace: Trace) -> Setup:
 
     Raises:
         InputError: If scenario, rules or goal are not sound for this version of the product.
-        TraceError: If the trace does not hold its scenario, or does not say how it was run.
+        TraceError: If the trace does not hold its scenario and rules, or does not say how it was run.
     """
     start = next(trace.of(RunStart), None)
     if start is None or SCENARIO not in trace.attachments:
         raise TraceError(f"{trace.path}: nothing to run: no /run/start, or no {SCENARIO} attached")
-    document = read_document(SCENARIO, trace.attachments[SCENARIO].decode())
+    check_made_of(trace, start)
+    document = read_document(SCENARIO, trace.attachments[SCENARIO].decode(errors="replace"))
     rulebook = rulebook_of(trace.attachments)
     scenario, goal = understood(document, rulebook)
     images = next(trace.messages("/camera/rgb"), None) is not None
@@ -52,6 +54,12 @@ def reproduce(
     for number, (expected, got) in enumerate(_pairs(trace, Trace(out), cut_short)):
         comparison.add(number - 1, expected, got)
     return comparison
+
+
+def end_of_again(old: Trace, new: Trace) -> str:
+    """Return in words that the old run ended in an error, and the new one did not; empty if there is nothing to say."""
+    then, now = (next(trace.of(RunEnd), None) for trace in (old, new))
+    return other_end(then, now.reason if now is not None and now.status == "error" else "")
 
 
 def _pairs(old: Trace, new: Trace, cut_short: bool) -> Iterator[tuple[Sequence[Recorded], Sequence[Recorded]]]:

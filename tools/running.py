@@ -3,6 +3,7 @@
 import json as json_format
 import traceback
 from pathlib import Path
+from typing import IO
 
 from skolem.tools import session
 from skolem.tools.live import watcher_for
@@ -20,14 +21,21 @@ EXIT: dict[RunStatus, int] = {
 }
 
 
-def execute(setup: session.Setup, trace: Path, watch: Stopwatch, json: bool, quiet: bool) -> int:
-    """Run, print what came of it, and return the exit status."""
+def execute(
+    setup: session.Setup,
+    trace: Path,
+    watch: Stopwatch,
+    json: bool,
+    quiet: bool,
+    partial: IO[bytes] | None = None,
+) -> int:
+    """Run, print what came of it, and return the exit status; `partial` as in `session.run`."""
     outcome = session.Outcome()
     status: RunStatus = "error"
     reason = ""
     with watcher_for(setup, quiet) as watcher:
         try:
-            session.run(setup, trace, watcher, watch, outcome)
+            session.run(setup, trace, watcher, watch, outcome, partial)
             assert outcome.end is not None, "a run that raises nothing has an end"
             status, reason = outcome.end.status, outcome.end.reason
         except KeyboardInterrupt:
@@ -38,16 +46,16 @@ def execute(setup: session.Setup, trace: Path, watch: Stopwatch, json: bool, qui
             reason = f"{type(error).__name__}: {error}"
             if not isinstance(error, SkolemError):
                 traceback.print_exception(error)
-    summary = session.summary(setup, outcome, status, reason, trace)
     if json:
-        print(json_format.dumps(summary))
+        summary = session.summary(setup, outcome, status, reason, trace)
+        print(json_format.dumps({**summary, "trace": summary["trace"] if outcome.content_hash else None}))
     else:
         print(verdict_text(setup, outcome, status, reason, trace))
     return EXIT[status]
 
 
 def verdict_text(setup: session.Setup, outcome: session.Outcome, status: RunStatus, reason: str, trace: Path) -> str:
-    """Return what the robot believes, what is true, and where the trace lies."""
+    """Return what the robot believes, what is true, and where the trace lies, if one was written."""
     counts = (
         f"{outcome.actions} actions, {outcome.replans} replans, "
         f"{outcome.tick / TICKS_PER_SECOND:.1f} s simulated, {outcome.total_s:.1f} s wall"
@@ -65,7 +73,8 @@ def verdict_text(setup: session.Setup, outcome: session.Outcome, status: RunStat
     if outcome.verdict is not None:
         witness = f" ({outcome.verdict.witness})" if outcome.verdict.witness else ""
         lines.append(f"true in the simulator: {'yes' + witness if outcome.verdict.true else 'no'}")
-    lines.append(f"trace: {trace} (content {outcome.content_hash[:12]})")
+    if outcome.content_hash:
+        lines.append(f"trace: {trace} (content {outcome.content_hash[:12]})")
     return "\n".join(lines)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import IO, Protocol
 
 from google.protobuf.message import Message as Protobuf
 
@@ -133,7 +133,7 @@ class Outcome:
         tick: Simulated time in ticks.
         seconds: Wall time by part.
         total_s: Wall time in all.
-        content_hash: Of everything recorded but wall times.
+        content_hash: Of everything recorded but wall times; empty while no trace is written.
     """
 
     end: RunEnd | None = None
@@ -219,16 +219,24 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
     return scenario, parse_goal(scenario.goal, words, [item.id for item in scenario.belief.objects])
 
 
-def run(setup: Setup, path: Path, watcher: Watcher, watch: Stopwatch, outcome: Outcome) -> None:
+def run(
+    setup: Setup,
+    path: Path,
+    watcher: Watcher,
+    watch: Stopwatch,
+    outcome: Outcome,
+    partial: IO[bytes] | None = None,
+) -> None:
     """Run the robot until it stops by itself, and write the trace to `path`; `outcome` is filled in as it goes.
 
-    Whatever is raised meanwhile, the trace is closed with the reason before it goes on.
+    Whatever is raised meanwhile, the trace is closed with the reason before it goes on. `partial` is its partial file,
+    if somebody has begun it already.
     """
     attachments = {"scenario.yaml": setup.document.effective_text().encode()}
     attachments |= {f"rules/{name}": content for name, content in setup.rulebook.files.items()}
     metadata = {"scenario": setup.scenario.name, "seed": str(setup.seed), "world": setup.world}
     env = environment() | {"source": SOURCE_SHA256}
-    writer = TraceWriter(path, attachments=attachments, run=metadata, env=env, profile=setup.profile)
+    writer = TraceWriter(path, attachments=attachments, run=metadata, env=env, profile=setup.profile, file=partial)
     try:
         with writer:
             try:
@@ -236,7 +244,7 @@ def run(setup: Setup, path: Path, watcher: Watcher, watch: Stopwatch, outcome: O
             finally:
                 outcome.seconds, outcome.total_s = watch.seconds(), watch.total()
     finally:
-        outcome.content_hash = writer.content_hash
+        outcome.content_hash = writer.content_hash if writer.written else ""
 
 
 def run_start(setup: Setup) -> messages.RunStart:

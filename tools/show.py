@@ -2,7 +2,7 @@
 
 import json as json_format
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +11,7 @@ import typer
 from skolem.tools.plan_tree import tree_lines
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import Action, Meaning, Plan, RunEnd, RunStart
+from skolem.traces.printable import printable
 from skolem.traces.reader import Trace
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -55,17 +56,18 @@ def _show_plans(run: Trace, json: bool) -> None:
         ended = None if end is None else end.model_dump(mode="json")
         print(json_format.dumps({"trace": str(run.path), "goal": start and start.goal, "plans": lines, "end": ended}))
         return
-    print(f"goal: {goal}")
-    print("\n".join(lines))
-    if end is not None:
-        print(f"{end.status}: {end.reason}")
+    last = [] if end is None else [f"{end.status}: {end.reason}"]
+    _print([f"goal: {goal}", *lines, *last])
 
 
 def _show_step(run: Trace, step: int, json: bool) -> None:
     from skolem.tools.step_text import moment, moment_fields, moment_lines
 
     found, words = moment(run, step), _words(run)
-    print(json_format.dumps(moment_fields(found, words)) if json else "\n".join(moment_lines(found, words)))
+    if json:
+        print(json_format.dumps(moment_fields(found, words)))
+    else:
+        _print(moment_lines(found, words))
 
 
 def _show_object(run: Trace, anchor: str, json: bool) -> None:
@@ -77,7 +79,7 @@ def _show_object(run: Trace, anchor: str, json: bool) -> None:
         steps = [dict(zip(HISTORY_COLUMNS, row, strict=True)) for row in rows]
         print(json_format.dumps({"trace": str(run.path), "object": anchor, "history": steps}))
     else:
-        print("\n".join(table_lines(HISTORY_COLUMNS, rows)))
+        _print(table_lines(HISTORY_COLUMNS, rows))
 
 
 def _words(run: Trace) -> Mapping[str, Meaning]:
@@ -87,5 +89,10 @@ def _words(run: Trace) -> Mapping[str, Meaning]:
     try:
         return words_of(run)
     except InputError as error:
-        print(f"colours in numbers, as the run's own rules cannot be read: {error.faults[0]}", file=sys.stderr)
+        said = "\n".join(map(printable, str(error.faults[0]).splitlines()))
+        print(f"colours in numbers, as the run's own rules cannot be read: {said}", file=sys.stderr)
         return {}
+
+
+def _print(lines: Iterable[str]) -> None:
+    print("\n".join(map(printable, lines)))

@@ -9,19 +9,19 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Final
+from typing import IO, Final
 
 from skolem.tools.children import NO_DISPLAY, end, end_with_parent, has_display
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.writer import partial_of
+from skolem.traces.writer import begin, discard
 
 NICE: Final = 10
 _SKOLEM: Final = "from skolem.tools.cli import main; raise SystemExit(main())"
 
 
 @contextmanager
-def watched(trace: Path) -> Iterator[None]:
-    """Show the run that the block records to `trace` in a window.
+def watched(trace: Path) -> Iterator[IO[bytes]]:
+    """Show the run that the block records to `trace` in a window; the block is given the partial file to write.
 
     After the block the window stays until it is closed or Ctrl-C.
 
@@ -30,13 +30,8 @@ def watched(trace: Path) -> Iterator[None]:
     """
     if not has_display():
         raise InputError([Fault("--view", 0, 0, NO_DISPLAY)])
-    partial = partial_of(trace)
+    file = begin(trace)  # the viewer holds it open too: so it finds it under whatever name it gets
     try:
-        trace.parent.mkdir(parents=True, exist_ok=True)
-        file = partial.open("wb")  # the writer will open it too; held open, it is found under whatever name it gets
-    except OSError as error:
-        raise InputError([Fault(str(partial), 0, 0, f"cannot write the trace here: {error.strerror}")]) from error
-    with file:
         follower = subprocess.Popen(
             [sys.executable, "-c", _SKOLEM, "view", f"/dev/fd/{file.fileno()}", "--follow"],
             stdin=subprocess.DEVNULL,
@@ -44,11 +39,14 @@ def watched(trace: Path) -> Iterator[None]:
             preexec_fn=_aside,
         )
         try:
-            yield
+            yield file
             with suppress(KeyboardInterrupt):
                 follower.wait()
         finally:
             end(follower)
+    finally:
+        if not file.closed:
+            discard(file, trace)
 
 
 def _aside() -> None:

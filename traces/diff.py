@@ -1,7 +1,8 @@
 """Where two recorded runs part: the first divergence, and how often each field differs.
 
 Bytes are compared first; only messages whose bytes differ are decoded and walked field by field. Integers, booleans and
-strings must be equal; floats may differ by a tolerance, which is data (`tolerances.json`).
+strings must be equal; floats may differ by a tolerance, which is data (`tolerances.json`). Without one every byte
+counts: 0.0 is not -0.0.
 """
 
 import base64
@@ -42,6 +43,11 @@ class Tolerance:
     fields: tuple[tuple[str, float, float], ...] = ()
     ignored: frozenset[str] = frozenset()
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether nothing may differ."""
+        return self == Tolerance()
+
     def with_floats(self, atol: float | None, rtol: float | None) -> "Tolerance":
         """Return the tolerance with other bounds for every float, if one is given, and without hashes of floats."""
         if atol is None and rtol is None:
@@ -52,6 +58,8 @@ class Tolerance:
         """Return whether two floats count as equal."""
         bounds = ((atol, rtol) for pattern, atol, rtol in self.fields if fnmatchcase(field, pattern))
         atol, rtol = next(bounds, (self.atol, self.rtol))
+        if not (atol or rtol):
+            return repr(a) == repr(b)  # 0.0 == -0.0, but they are other bytes
         return abs(a - b) <= max(atol, rtol * max(abs(a), abs(b)))
 
 
@@ -170,8 +178,7 @@ class Comparison:
         """Return the fields of two messages of one topic that differ beyond tolerance."""
         if a.data == b.data and a.tick == b.tick:
             return ()
-        ticks = [] if a.tick == b.tick else [Change(".tick", a.tick, b.tick)]
-        found = []
+        found = [] if a.tick == b.tick else [Change(".tick", a.tick, b.tick)]
         for change in _walk(fields_of(a), fields_of(b), ""):
             field = a.topic + change.path
             if field in self._tolerance.ignored:
@@ -180,7 +187,9 @@ class Comparison:
                 self.tolerated += 1
             else:
                 found.append(change)
-        return (*ticks, *found)
+        if not found and self._tolerance.is_exact:  # the same values, written in another way
+            found.append(_in_bytes(a.data, b.data))
+        return tuple(found)
 
     def _count(self, expected: Sequence[Recorded], got: Sequence[Recorded]) -> None:
         """Count the fields that differ, comparing the n-th messages of each topic."""
@@ -245,8 +254,15 @@ def _walk(a: Any, b: Any, path: str) -> Iterator[Change]:
     elif isinstance(a, list) and isinstance(b, list):
         for i, (x, y) in enumerate(zip_longest(a, b, fillvalue=ABSENT)):
             yield from _walk(x, y, f"{path}[{i}]")
-    elif type(a) is not type(b) or a != b:
+    elif type(a) is not type(b) or repr(a) != repr(b):
         yield Change(path, a, b)
+
+
+def _in_bytes(a: bytes, b: bytes) -> Change:
+    """Return from where on two messages are written otherwise."""
+    same = next(i for i, (x, y) in enumerate(zip_longest(a, b)) if x != y)
+    expected, got = (data[same : same + SHOWN].decode(errors="backslashreplace") for data in (a, b))
+    return Change(".bytes", expected, got)
 
 
 def _number(value: object) -> bool:

@@ -75,6 +75,11 @@ def write_manifest(folder: Path, goldens: Mapping[str, Golden]) -> None:
     (folder / MANIFEST).write_text("\n".join(tables), encoding="utf-8")
 
 
+def is_text(value: str) -> bool:
+    """Return whether a manifest can hold a text: one from the command line may have bytes that are no characters."""
+    return not any("\ud800" <= c <= "\udfff" for c in value)
+
+
 def golden_path(folder: Path, name: str) -> Path:
     """Return where a golden trace lies."""
     return folder / f"{name}.mcap"
@@ -118,5 +123,5 @@ def _table(name: str, golden: Golden) -> str:
 
 
 def _toml(value: object) -> str:
-    """Return a value in TOML; JSON's strings, numbers and arrays of strings are TOML's too."""
-    return json.dumps(value, ensure_ascii=False)
+    """Return a value in TOML: JSON's strings, numbers and arrays of strings are TOML's too, but for one character."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

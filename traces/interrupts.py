@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-HELD: Final = (signal.SIGINT, signal.SIGTERM)
+HELD: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)  # the last by the command line, for one that was lost
 
 
 @contextmanager
@@ -21,9 +21,9 @@ def interrupts_held() -> Iterator[None]:
         return
     handlers = {number: handler for number in HELD if callable(handler := signal.getsignal(number))}
     caught: list[int] = []
-    for number in handlers:
-        signal.signal(number, lambda caught_number, frame: caught.append(caught_number))
     try:
+        for number in handlers:
+            signal.signal(number, lambda caught_number, frame: caught.append(caught_number))
         yield
     finally:
         for number, handler in handlers.items():

@@ -28,7 +28,13 @@ class TraceWriter:
 
     The file is called `NAME.partial` until it is complete. Leaving the block, also by an exception or Ctrl-C, adds
     `/run/end` if it is missing, closes the file and gives it its name. A killed process leaves the partial file:
-    `skolem recover` saves of it everything up to the last closed step or full chunk.
+    `skolem recover` saves of it everything up to the last closed step or full chunk. One that is there is therefore
+    never replaced: another run writes it, or its steps are worth saving.
+
+    Attributes:
+        path: Where the trace will lie.
+        partial: Where it lies until it is complete.
+        written: Whether the trace lies under its name.
     """
 
     def __init__(
@@ -39,8 +45,9 @@ class TraceWriter:
         run: Mapping[str, str],
         env: Mapping[str, str],
         profile: bool = False,
+        file: IO[bytes] | None = None,
     ) -> None:
-        """Create the partial file, with attachments, metadata, schemas and channels in place.
+        """Take over what the trace begins with; nothing is written before the block is entered.
 
         Args:
             path: Where the trace will lie; missing folders are made.
@@ -48,12 +55,13 @@ class TraceWriter:
             run: Metadata of the run, such as its seed; the schema version is added.
             env: Metadata of the machine, as `skolem.traces.environment.environment` gives them.
             profile: Whether `/perf` is recorded. Wall times differ from run to run, so by default they are dropped.
-
-        Raises:
-            InputError: If the file cannot be created.
+            file: The partial file, if somebody has begun it already.
         """
         self.path = path
         self.partial = partial_of(path)
+        self.written = False
+        self._attachments, self._begun = attachments, file
+        self._metadata = {"run": dict(run) | {"schema_version": str(SCHEMA_VERSION)}, "env": env}
         self._profile = profile
         self._hash = ContentHash()
         self._chain = HashChain()
@@ -62,14 +70,6 @@ class TraceWriter:
         self._results = 0
         self._candidate: tuple[float, str | None] = (0.0, None)
         self._ended = False
-        self._file = _create(path)
-        self._mcap = Writer(self._file, compression=CompressionType.ZSTD, chunk_size=CHUNK_BYTES, enable_data_crcs=True)
-        self._mcap.start(profile="", library=LIBRARY)
-        self._mcap.add_metadata("run", dict(sorted((dict(run) | {"schema_version": str(SCHEMA_VERSION)}).items())))
-        self._mcap.add_metadata("env", dict(sorted(env.items())))
-        for name in sorted(attachments):
-            self._mcap.add_attachment(0, 0, name, "text/plain", attachments[name])
-        self._channels = {topic: self._register(topic) for topic in CLASS_OF}
 
     def write(self, topic: str, message: Message | Protobuf, tick: int) -> None:
         """Append one message at a simulated time; an interrupt in between waits until it is whole.
@@ -108,6 +108,20 @@ class TraceWriter:
         return self._hash.decision
 
     def __enter__(self) -> Self:
+        """Create the partial file; an interrupt before the block leaves none.
+
+        Raises:
+            InputError: If the file cannot be created, or is there already.
+        """
+        file = self._begun
+        try:
+            with interrupts_held():
+                file = self._file = file or begin(self.path)
+                self._start()
+        except BaseException:
+            if file is not None:
+                discard(file, self.path)
+            raise
         return self
 
     def __exit__(
@@ -120,6 +134,17 @@ class TraceWriter:
             self._file.flush()
             os.fsync(self._file.fileno())
             self.partial.replace(self.path)
+            self.written = True
+
+    def _start(self) -> None:
+        """Write metadata, attachments, schemas and channels."""
+        self._mcap = Writer(self._file, compression=CompressionType.ZSTD, chunk_size=CHUNK_BYTES, enable_data_crcs=True)
+        self._mcap.start(profile="", library=LIBRARY)
+        for name, metadata in self._metadata.items():
+            self._mcap.add_metadata(name, dict(sorted(metadata.items())))
+        for name in sorted(self._attachments):
+            self._mcap.add_attachment(0, 0, name, "text/plain", self._attachments[name])
+        self._channels = {topic: self._register(topic) for topic in CLASS_OF}
 
     def _register(self, topic: str) -> int:
         schema_encoding, encoding = ("jsonschema", "json") if topic in JSON_TOPICS else ("protobuf", "protobuf")
@@ -159,12 +184,27 @@ def partial_of(path: Path) -> Path:
     return path.parent / f"{path.name}.partial"
 
 
-def _create(path: Path) -> IO[bytes]:
-    """Return the partial file of a trace, open; one that cannot get its name in the end is not begun."""
+def begin(path: Path) -> IO[bytes]:
+    """Return the partial file of a trace, new and open.
+
+    Raises:
+        InputError: If it cannot be created or get its name in the end, or is there already.
+    """
     if path.is_dir():
         raise InputError([Fault(str(path), 0, 0, "is a folder; give the name of a file")])
+    partial = partial_of(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        return partial_of(path).open("wb")
+        return partial.open("xb")
     except OSError as error:
+        if partial.exists():
+            said = "exists: another run is writing it, or one was killed; wait for it, save its steps with"
+            remedy = f"`skolem recover {partial} -o FILE`, or remove it"
+            raise InputError([Fault(str(partial), 0, 0, f"{said} {remedy}")]) from error
         raise InputError([Fault(str(path), 0, 0, f"cannot write the trace here: {error.strerror}")]) from error
+
+
+def discard(file: IO[bytes], path: Path) -> None:
+    """Close the partial file of a trace that was not written, and remove it."""
+    with file:
+        partial_of(path).unlink(missing_ok=True)
