@@ -78,7 +78,7 @@ def _start_up(seconds: float) -> str:
     return (
         f"Of each command about {seconds:.2f} s are the start: loading numpy, scipy, gtsam, clingo, pydantic and "
         "the product. Of a replay itself the first part is reading the rules of the trace, which the last columns are "
-        "without. Each command is one process. Runs of a few seconds cannot be replayed twenty times faster each by one."
+        "without. Each command is one process; a run of a few seconds is not replayed twenty times faster by one."
     )
 
 
