@@ -73,14 +73,13 @@ def _circles(rules: Rules) -> list[frozenset[Signature]]:
         head: {s for rule in found for part in rule.body if isinstance(part, Atom) for s in part.signatures}
         for head, found in rules.items()
     }
-    reached = {signature: _reached(signature, uses) for signature in uses}
-    circles = [
-        frozenset(s for s in found if one in reached.get(s, ())) for one, found in reached.items() if one in found
-    ]
+    below = {signature: reached(signature, uses) for signature in uses}
+    circles = [frozenset(s for s in found if one in below.get(s, ())) for one, found in below.items() if one in found]
     return list(dict.fromkeys(circles))
 
 
-def _reached(start: Signature, uses: Mapping[Signature, set[Signature]]) -> set[Signature]:
+def reached(start: Signature, uses: Mapping[Signature, set[Signature]]) -> set[Signature]:
+    """Return what a predicate depends on, by others or directly; itself only if it does."""
     found: set[Signature] = set()
     waiting = [start]
     while waiting:

@@ -18,7 +18,7 @@ from clingo.ast import AST, ASTType
 
 from skolem.reasoner.counting import WIDEST
 from skolem.reasoner.parts import Atom, Nested, Part, Signature, Statement
-from skolem.reasoner.recursion import endless
+from skolem.reasoner.recursion import endless, reached
 from skolem.reasoner.rule_files import GREATEST, RuleFile
 from skolem.reasoner.vocabulary import WORD_FACTS
 from skolem.traces.errors import Fault
@@ -370,7 +370,7 @@ def _check_stratified(seen: _Seen) -> Iterator[Fault]:
         if use.signature == ("goal", 1):
             remedy = "derive a predicate from it in a rule of its own, and put that there"
             yield use.place(f"goal/1 may not stand under 'not', in an aggregate or in a condition; {remedy}")
-        if head in _reachable(use.signature, seen.depends):
+        if head in {use.signature} | reached(use.signature, seen.depends):
             how = "negation, an aggregate or a condition"
             circle = f"{_text(head)} depends on itself through {how}, by {_text(use.signature)}"
             yield use.place(f"{circle}; let one of them do without the other")
@@ -379,15 +379,5 @@ def _check_stratified(seen: _Seen) -> Iterator[Fault]:
 def _check_words(seen: _Seen) -> Iterator[Fault]:
     """Yield where a word gets its meaning from a goal: words are read before there is one."""
     for signature, fault, uses in seen.words:
-        if any(not INPUT.isdisjoint(_reachable(use.signature, seen.depends)) for use in uses):
+        if any(not INPUT.isdisjoint({use.signature} | reached(use.signature, seen.depends)) for use in uses):
             yield fault(f"{_text(signature)} depends on a goal; a word has its meaning whatever is asked: state a fact")
-
-
-def _reachable(start: Signature, depends: dict[Signature, set[Signature]]) -> set[Signature]:
-    found, waiting = {start}, [start]
-    while waiting:
-        for signature in depends.get(waiting.pop(), ()):
-            if signature not in found:
-                found.add(signature)
-                waiting.append(signature)
-    return found

@@ -13,8 +13,8 @@ from skolem.tools.replaying import given_in
 from skolem.tools.rethinking import Given
 from skolem.tools.session import understood
 from skolem.traces.errors import Fault, InputError, TraceError
+from skolem.traces.made_of import SCENARIO
 
-SCENARIO: Final = "scenario.yaml"
 THRESHOLD: Final = "threshold"
 NOT_TOLD: Final = ("goal", "limits")  # keys of a scenario that are of the mind, but not of what it is told
 TOLD: Final = ("belief", "priors", "noise", "model")  # keys that are of what it is told

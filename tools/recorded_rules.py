@@ -10,8 +10,7 @@ from skolem.reasoner.queries import Queries
 from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rulebook import RULE_FILES, Rulebook
 from skolem.traces.errors import Fault, InputError
-
-_FOLDER = "rules/"
+from skolem.traces.made_of import RULES
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +59,7 @@ class Rulebooks:
         Args:
             folder: Where files that are taken instead or beside lie, as faults name them; None: as those of the trace.
         """
-        self._folder = _FOLDER if folder is None else f"{folder}/"
+        self._folder = RULES if folder is None else f"{folder}/"
         self._known: dict[tuple[tuple[str, bytes], ...], Rulebook] = {}
 
     def of(self, attachments: Mapping[str, bytes], replaced: Mapping[str, bytes] | None = None) -> Rulebook:
@@ -77,7 +76,7 @@ class Rulebooks:
         files = _attached(attachments) | dict(replaced)
         key = tuple(sorted(files.items()))
         if key not in self._known:
-            titles = {name: (self._folder if name in replaced else _FOLDER) + name for name in files}
+            titles = {name: (self._folder if name in replaced else RULES) + name for name in files}
             try:
                 rulebook = _read(files, titles)
             except InputError as error:
@@ -93,14 +92,14 @@ class Rulebooks:
     def _hints(self, faults: Sequence[Fault], kept: Sequence[str]) -> Iterator[Fault]:
         """Yield where a faulty file comes from that one may think to be gone, and how to do without it."""
         for name in kept:
-            if any(_FOLDER + name in (fault.file, *re.findall(r"[^\s:]+", fault.message)) for fault in faults):
-                said = f"is not there, so it is taken from the trace as {_FOLDER}{name}; an empty file leaves it out"
+            if any(RULES + name in (fault.file, *re.findall(r"[^\s:]+", fault.message)) for fault in faults):
+                said = f"is not there, so it is taken from the trace as {RULES}{name}; an empty file leaves it out"
                 yield Fault(self._folder + name, 0, 0, said)
 
 
 def _attached(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
     """Return the rule files among the attachments of a trace, by file name."""
-    return {name.removeprefix(_FOLDER): data for name, data in attachments.items() if name.startswith(_FOLDER)}
+    return {name.removeprefix(RULES): data for name, data in attachments.items() if name.startswith(RULES)}
 
 
 def _read(files: Mapping[str, bytes], titles: Mapping[str, str]) -> Rulebook:

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from skolem.sim.scenario import read_document
-from skolem.tools.other_minds import SCENARIO
 from skolem.tools.recorded_rules import rulebook_of
 from skolem.tools.recorded_run import CUT_SHORT, check_made_of
 from skolem.tools.replaying import other_end
@@ -12,6 +11,7 @@ from skolem.tools.session import Outcome, Setup, Watcher, run, understood
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.diff import Comparison, Tolerance, by_step
 from skolem.traces.errors import TraceError
+from skolem.traces.made_of import SCENARIO
 from skolem.traces.messages import CLASS_OF, PERF, RunEnd, RunStart
 from skolem.traces.reader import Recorded, Trace
 

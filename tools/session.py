@@ -36,6 +36,7 @@ from skolem.tools.stopwatch import ESTIMATION, MOTION_PLANNING, REASONING, Stopw
 from skolem.tools.verdict import verdict
 from skolem.traces import messages
 from skolem.traces.environment import environment
+from skolem.traces.made_of import RULES, SCENARIO
 from skolem.traces.messages import Action, ActionResult, Observation, Pose4, RobotState, RunEnd, TrueState
 from skolem.traces.writer import TraceWriter
 
@@ -232,8 +233,8 @@ def run(
     Whatever is raised meanwhile, the trace is closed with the reason before it goes on. `partial` is its partial file,
     if somebody has begun it already.
     """
-    attachments = {"scenario.yaml": setup.document.effective_text().encode()}
-    attachments |= {f"rules/{name}": content for name, content in setup.rulebook.files.items()}
+    attachments = {SCENARIO: setup.document.effective_text().encode()}
+    attachments |= {f"{RULES}{name}": content for name, content in setup.rulebook.files.items()}
     metadata = {"scenario": setup.scenario.name, "seed": str(setup.seed), "world": setup.world}
     env = environment() | {"source": SOURCE_SHA256}
     writer = TraceWriter(path, attachments=attachments, run=metadata, env=env, profile=setup.profile, file=partial)
