@@ -17,6 +17,7 @@ from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.detector import detect
 from skolem.sim.likelihood import HEIGHT_SD_PER_M2, OUTLINE_SD_PER_M2
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 
 SCENES = 10  # of each condition
@@ -139,7 +140,7 @@ def matched(scene: Scene, detections: tuple[Detection, ...]) -> dict[int, int]:
 
 
 def _compare(thing: Thing, detection: Detection, types: dict[str, ObjectType], tally: Tally) -> None:
-    best, probability = likeliest(detection)
+    best, probability = claim(detection)
     tally.right += best == thing.type
     tally.claims.append((probability, best == thing.type))
     off, covariance = np.subtract(thing.world_T_object, detection.base_T_object), symmetric(detection.covariance)
@@ -158,10 +159,10 @@ def _hue(rgb: tuple[float, float, float]) -> float:
     return colorsys.rgb_to_hsv(*rgb)[0]
 
 
-def likeliest(detection: Detection) -> tuple[str, float]:
+def claim(detection: Detection) -> tuple[str, float]:
     """Return the likeliest type and its probability, all types being alike before."""
     likelihood = detection.type_log_likelihood
-    best = min(likelihood, key=lambda name: (-likelihood[name], name))
+    best = likeliest(likelihood)
     return best, 1.0 / sum(math.exp(value - likelihood[best]) for value in likelihood.values())
 
 

@@ -24,6 +24,7 @@ from skolem.tools import session
 from skolem.tools.live import watcher_for
 from skolem.tools.planners import WorldKind
 from skolem.tools.stopwatch import Stopwatch
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import (
     Action,
     ActionResult,
@@ -217,9 +218,7 @@ def _pairs(belief: Belief, true: TrueState) -> Iterator[tuple[str, TrueObject]]:
     for kind in sorted({item.type for item in loose}):
         items = [item for item in loose if item.type == kind]
         listed = [(name, now.objects[name]) for name in belief.anchors()]
-        anchors = [
-            (a, o) for a, o in listed if o.in_hand is None and max(sorted(o.type), key=o.type.__getitem__) == kind
-        ]
+        anchors = [(a, o) for a, o in listed if o.in_hand is None and likeliest(o.type) == kind]
         apart = np.array(
             [[math.dist(o.world_T_object[:2], item.world_T_object[:2]) for item in items] for _, o in anchors]
         )

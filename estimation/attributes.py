@@ -7,6 +7,8 @@ Like colour and weight, a type belief is a frozen value: `updated` takes one obs
 import math
 from dataclasses import dataclass, replace
 
+from skolem.traces.likeliest import likeliest
+
 ROUNDING = 1e-9  # a belief this far below a threshold counts as reaching it
 
 
@@ -67,7 +69,7 @@ class TypeBelief:
 
     def most_likely(self) -> str:
         """Return the most probable type, the first by name among equals."""
-        return min(self.probabilities, key=lambda name: (-self.probabilities[name], name))
+        return likeliest(self.probabilities)
 
     def prob_favourable(self, kind: str, p: float) -> float:
         """Return P(one look lifts the belief in `kind` to at least `p` | it is of that type)."""

@@ -24,10 +24,21 @@ from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, Vector, raised, turned, upper
 from skolem.estimation.tracks import Track, Tracks
 from skolem.estimation.visibility import outline_radius
-from skolem.estimation.weight import GRAVITY, WeightBelief
+from skolem.estimation.weight import WeightBelief
 from skolem.traces import messages
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import HANDS, Hand, HsvVolume, Meaning, ObjectBelief, Pose2, Pose4, Quantity, TypeIs
+from skolem.traces.messages import (
+    GRAVITY,
+    HANDS,
+    Hand,
+    HsvVolume,
+    Meaning,
+    ObjectBelief,
+    Pose2,
+    Pose4,
+    Quantity,
+    TypeIs,
+)
 
 # Equal beliefs give equal answers, and one event leaves most objects as they were.
 _MEMORY: Final = 4096
@@ -157,7 +168,7 @@ class Belief:
         return _prob(self._tracks.stranger(), meaning)
 
     def prob_on(self, anchor: str, support: str) -> float:
-        """P(the object exists and rests wholly on the top of `support`); 0 while it is held."""
+        """P(the object rests wholly on the top of `support`), given that both exist; 0 while it is held."""
         track, below = self._tracks.get(anchor), self._tracks.get(support)
         if track is None or below is None or track.hand or below.hand or track.support != support:
             return 0.0
@@ -170,7 +181,7 @@ class Belief:
         support_T_object, covariance = self._relation(support, anchor)
         inside = turned(covariance, support_T_object[2])[:2, :2]
         free = rectangle((size[0] - margin, size[1] - margin))
-        return track.exists * prob_in_polygon(np.array(support_T_object[:2]), inside, free)
+        return prob_in_polygon(np.array(support_T_object[:2]), inside, free)
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
         """P(the middles of two objects are at most so far apart, in the plane), given that both exist; 0 while held."""

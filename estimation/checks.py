@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from skolem.estimation.pose_graph import BASE
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Prior
 
 
@@ -54,9 +55,8 @@ def _region_faults(prior: Prior) -> Iterator[Fault]:
             yield _fault(f"{at}.anchor", f"'{region.anchor}' names something else already")
         if support is None:
             yield _fault(f"{at}.support", f"no support '{region.support}'; there are: {', '.join(objects)}")
-        elif (kind := prior.types.get(max(sorted(support.type), key=support.type.__getitem__, default=""))) is not None:
-            if kind.graspable:
-                yield _fault(f"{at}.support", f"'{region.support}' can be carried away")
+        elif support.type and (kind := prior.types.get(likeliest(support.type))) is not None and kind.graspable:
+            yield _fault(f"{at}.support", f"'{region.support}' can be carried away")
         if region.height_m <= 0.0:
             yield _fault(f"{at}.height_m", f"{region.height_m} is not above 0")
         if region.expected_objects < 0.0:

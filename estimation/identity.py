@@ -46,7 +46,7 @@ class Identity:
 
     def splits(self, detections: tuple[Detection, ...]) -> Iterator[Split]:
         """Return which anchors were two, before a look with these detections is taken in."""
-        things = [d for d in detections if self._kind(d).graspable]
+        things = [d for d in detections if self.tracks.seen_as(d).graspable]
         anchors = self._loose() if len(things) > 1 else ()
         beliefs = {a: self.graph.relative(BASE, a) for a in anchors if self._is_near(a, things)}
         distances = {a: [self._off(*beliefs[a], d) for d in things] for a in beliefs}
@@ -84,17 +84,13 @@ class Identity:
 
     # ------------------------------------------------------------ two objects
 
-    def _kind(self, detection: Detection) -> ObjectType:
-        likelihood = detection.type_log_likelihood
-        return self.tracks.prior.types[min(likelihood, key=lambda name: (-likelihood[name], name))]
-
     def _is_near(self, anchor: str, things: list[Detection]) -> bool:
         x, y, _ = self.graph.mean(BASE, anchor)
         return any(math.dist((x, y), d.base_T_object[:2]) < 4.0 * self._widest() for d in things)
 
     def _touching(self, anchor: str, thing: Detection) -> float:
         """Return the distance of middles below which a thing and one at the anchor's place would overlap."""
-        return _core(self.tracks.kind(anchor)) + _core(self._kind(thing))
+        return _core(self.tracks.kind(anchor)) + _core(self.tracks.seen_as(thing))
 
     def _off(self, believed: tuple[float, float, float], covariance: Matrix, seen: Detection) -> tuple[float, float]:
         """Return how far a detection is from a believed place: in metres, and as a squared Mahalanobis distance."""

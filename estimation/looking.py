@@ -84,13 +84,8 @@ class Look:
 
     def _table(self, detection: Detection) -> ObjectType | None:
         """Return the type of a detected table, None for a thing."""
-        kind = self._seen_as(detection)
+        kind = self._tracks.seen_as(detection)
         return kind if kind.shape == "table" else None
-
-    def _seen_as(self, detection: Detection) -> ObjectType:
-        """Return the type that a detection looks most like."""
-        likelihood = detection.type_log_likelihood
-        return self._tracks.prior.types[min(likelihood, key=lambda name: (-likelihood[name], name))]
 
     def _height(self, detection: Detection) -> float:
         """Return at which height a detected thing stands, or a table was seen."""
@@ -272,18 +267,18 @@ class Look:
 
     def _stands_in(self, seen: Sighting, missed: Expected) -> bool:
         """Return whether a known thing was seen in the place of a missed one, which then is not just hidden by it."""
-        anchors, kinds = (seen.anchor, missed.anchor), (self._seen_as(seen.detection), self._tracks.kind(missed.anchor))
+        kind, other = self._tracks.seen_as(seen.detection), self._tracks.kind(missed.anchor)
         apart = math.dist(seen.detection.base_T_object[:2], missed.base_T_object[:2])
-        if seen.new or not kinds[0].graspable or apart > sum(outline_radius(kind) for kind in kinds):
+        if seen.new or not kind.graspable or apart > outline_radius(kind) + outline_radius(other):
             return False
-        return overlap(self._graph, self._tracks, self._config, *anchors)
+        return overlap(self._graph, self._tracks, self._config, seen.anchor, missed.anchor)
 
     def _explained(self, ends: Array, missed: str, sightings: tuple[Sighting, ...]) -> Mask:
         """Return which readings, shape (n, 3), base frame, have hit an arm, something seen, or another thing known."""
         explained = near_arms(ends, self._graph.robot, self._config.arm_m)
         seen = {sighting.anchor: sighting for sighting in sightings}
         known = [name for name in self._tracks.listed() if name not in seen and name != missed]
-        others = [(flat(s.detection.base_T_object), self._seen_as(s.detection)) for s in sightings]
+        others = [(flat(s.detection.base_T_object), self._tracks.seen_as(s.detection)) for s in sightings]
         others += [(self._graph.mean(BASE, a), self._tracks.kind(a)) for a in known if not self._tracks[a].hand]
         for place, kind in others:
             if kind.shape != "table":

@@ -22,9 +22,10 @@ from skolem.estimation.events import (
     Split,
     Weighed,
 )
-from skolem.estimation.weight import GRAVITY, WeightBelief, WeightSensor
+from skolem.estimation.weight import WeightBelief, WeightSensor
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import Hand, ObjectType, Prior, PriorObject
+from skolem.traces.likeliest import likeliest
+from skolem.traces.messages import GRAVITY, Detection, Hand, ObjectType, Prior, PriorObject
 
 INTRODUCED = re.compile(r"_o(\d+)_")  # names that the robot gives, or could have given
 
@@ -80,6 +81,10 @@ class Tracks:
     def kind(self, anchor: str) -> ObjectType:
         """Return the most likely type of an anchor."""
         return self.prior.types[self[anchor].types.most_likely()]
+
+    def seen_as(self, detection: Detection) -> ObjectType:
+        """Return the type that a detection looks most like."""
+        return self.prior.types[likeliest(detection.type_log_likelihood)]
 
     def top(self, support: str) -> float:
         """Return the height of the upper face of an anchor, metres."""

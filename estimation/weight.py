@@ -11,7 +11,6 @@ from skolem.estimation.attributes import ROUNDING
 from skolem.traces.messages import WeightInterval
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81
 WEIGHT_NODES = 401  # of the grid over ln(kg)
 QUANTILES, NOISE_NODES = 64, 9  # weights at which readings are tried, and readings at each
 LEAST_VARIANCE = 1e-12  # of a belief that is as good as certain

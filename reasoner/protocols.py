@@ -53,7 +53,7 @@ class BeliefQueries(Protocol):
         ...
 
     def prob_on(self, anchor: str, support: str) -> float:
-        """P(the object rests wholly on the top of `support`); 0 while it is held."""
+        """P(the object rests wholly on the top of `support`), given that both exist; 0 while it is held."""
         ...
 
     def support(self, anchor: str) -> str | None:
@@ -61,7 +61,7 @@ class BeliefQueries(Protocol):
         ...
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """P(the middles of two objects are at most so far apart, in the plane)."""
+        """P(the middles of two objects are at most so far apart, in the plane), given that both exist."""
         ...
 
     def prob_property_of_new(self, meaning: Meaning) -> float:

@@ -3,17 +3,17 @@
 A `Situation` is one version of the belief; every answer is kept for as long as that version lasts.
 """
 
-from collections.abc import Callable, Collection, Mapping
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping
 
 from skolem.reasoner import gaussians
 from skolem.reasoner.patterns import mentions
 from skolem.reasoner.protocols import Activity, BeliefQueries, Geometry
 from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import HANDS, Hand, Meaning, Quantity
+from skolem.traces.messages import HANDS, SENSING_HAND, Hand, Meaning, Quantity
 
 _ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
-_SENSING_HAND: Hand = "right"  # the only wrist with a force-torque sensor
 QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")
 Denotation = Callable[[str, str], float]  # (expression constant, anchor) -> P(Den)
 Stranger = Callable[[str, str], float]  # (expression constant, region) -> P(an arbitrary object there is what is meant)
@@ -118,21 +118,24 @@ class Situation:
             case Compound("exists", (str(anchor),)):
                 return self.belief.prob_exists(anchor)
             case Compound("on", (str(anchor), str(support))):
-                return self.belief.prob_on(anchor, support)
+                return self.belief.prob_exists(anchor) * self.belief.prob_on(anchor, support)
             case Compound("contents", (str(region),)):
                 return self.belief.prob_contents(region)
             case Compound("exists_in", (str(expression), str(region))):
                 return self.belief.prob_exists_in(region, self._stranger(expression, region))
             case Compound("prop" | "supposed", (str(word), str(anchor))):
-                return self.prob_word(word, anchor)
+                return self._prob_all((word,), anchor)
             case Compound("type", (str(anchor), str(word))):
-                return self.prob_word(word, anchor)
+                return self._prob_all((word,), anchor)
             case Compound("holds", (Compound("", words), str(anchor))):
-                product = 1.0
-                for each in words:
-                    product *= self.prob_word(str(each), anchor)
-                return product
+                return self._prob_all(map(str, words), anchor)
         raise InternalError(f"the rules ask for the probability of {phi}, which the belief cannot answer")
+
+    def _prob_all(self, words: Iterable[str], anchor: str) -> float:
+        """Return P(the object has each of some properties), given that it exists; 0 if that is not believed."""
+        if anchor not in self._anchors:
+            return 0.0
+        return math.prod(self.prob_word(word, anchor) for word in words)
 
     def prob_word(self, word: str, anchor: str) -> float:
         """Return P(the object has the property), given that it exists.
@@ -158,12 +161,12 @@ class Situation:
     def objection(self, executes: Term) -> tuple[Term, str] | None:
         """Return what a command lacks that no planning can give it as things are held, and the same in words."""
         match executes:
-            case Compound("weigh", (str(anchor),)) if self.hand_of(anchor) not in (None, _SENSING_HAND):
-                lacking = compound("held", _SENSING_HAND, anchor)
+            case Compound("weigh", (str(anchor),)) if self.hand_of(anchor) not in (None, SENSING_HAND):
+                lacking = compound("held", SENSING_HAND, anchor)
                 return lacking, (
                     f"{executes} was asked for with {anchor} in the {self.hand_of(anchor)} hand, but only the "
-                    f"{_SENSING_HAND} wrist has a force-torque sensor: a rule that executes weigh(O) must demand "
-                    f"held({_SENSING_HAND}, O)"
+                    f"{SENSING_HAND} wrist has a force-torque sensor: a rule that executes weigh(O) must demand "
+                    f"held({SENSING_HAND}, O)"
                 )
         return None
 

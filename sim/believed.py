@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from skolem.sim import bodies
 from skolem.sim.bullet import p
-from skolem.sim.doubt import own_spread, spread
+from skolem.sim.doubt import Doubts
 from skolem.sim.poses import Vector3, compose2, flat, inverse2
 from skolem.sim.pr2 import ARM, BASE, FINGER_OPEN_RAD, HEAD, PR2
 from skolem.sim.standing import Carried, Standing
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import HANDS, Belief, Hand, ObjectType, Pose2, Pose4
 
 Floats = NDArray[np.float64]
@@ -68,20 +69,21 @@ class BelievedWorld:
         self._belief = belief
         self._park_all()
         self.standing, self.carried = {}, {}
+        doubts = Doubts(belief)
         for anchor in belief.anchors:
             believed = belief.objects[anchor]
             if believed.exists < EXISTS:
                 continue
-            object_type = self._types[max(sorted(believed.type), key=lambda name: believed.type[name])]
+            object_type = self._types[likeliest(believed.type)]
             if believed.in_hand is not None and believed.tool_T_object is not None:
                 body = self._body(anchor, object_type, 0.0, believed.in_hand)
                 self.carried[believed.in_hand] = Carried(
                     believed.in_hand, anchor, object_type, believed.tool_T_object, body
                 )
                 continue
-            doubt = spread(belief, anchor, SPREAD_LIMIT_M if object_type.graspable else TABLE_SPREAD_LIMIT_M)
+            doubt = doubts.spread(anchor, SPREAD_LIMIT_M if object_type.graspable else TABLE_SPREAD_LIMIT_M)
             wider = doubt if object_type.graspable else 0.0
-            own = own_spread(belief, anchor, SPREAD_LIMIT_M) if object_type.graspable else 0.0
+            own = doubts.own_spread(anchor, SPREAD_LIMIT_M) if object_type.graspable else 0.0
             body = self._body(anchor, object_type, wider, None)
             self.standing[anchor] = Standing(
                 anchor, object_type, believed.world_T_object, wider, doubt, own, body, believed.support

@@ -6,13 +6,12 @@ so `set_pose` and `pose` take the type to shift by half the height.
 
 from skolem.sim.bullet import p
 from skolem.sim.poses import Quaternion, Vector3, heading, quaternion_xyzw
-from skolem.traces.messages import ObjectType, Pose4
+from skolem.traces.messages import GRAVITY, ObjectType, Pose4
 
 Rgba = tuple[float, float, float, float]
 
 WOOD: Rgba = (0.65, 0.50, 0.35, 1.0)
 STONE: Rgba = (0.80, 0.80, 0.80, 1.0)
-GRAVITY = 9.81
 TOP_THICKNESS_M, LEG_WIDTH_M, LEG_INSET_M = 0.04, 0.04, 0.03  # of every table
 FLOOR_HALF_M: Vector3 = (10.0, 10.0, 0.01)
 FLOOR_GAP_M = 0.001  # keeps the robot's wheels out of contact with a floor that carries no weight

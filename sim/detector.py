@@ -17,6 +17,7 @@ from skolem.sim.likelihood import type_log_likelihood
 from skolem.sim.noise import extrinsic_covariance
 from skolem.sim.supports import Support, find_supports
 from skolem.sim.tables import TableFit, find_tables
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 
 MAX_DISTANCE_M = 2.4  # from the camera; beyond it depth errors exceed what tells things from their support
@@ -88,8 +89,7 @@ def canonical_order(detections: list[Detection]) -> tuple[Detection, ...]:
     """Return detections sorted by best type, pose and colour, rounded to 1e-9."""
 
     def key(detection: Detection) -> tuple[object, ...]:
-        likelihood = detection.type_log_likelihood
-        best = min(likelihood, key=lambda name: (-likelihood[name], name))
+        best = likeliest(detection.type_log_likelihood)
         return (best, *(round(value, 9) for value in (*detection.base_T_object, *detection.rgb)))
 
     return tuple(sorted(detections, key=key))
@@ -190,7 +190,7 @@ def _detection(cluster: Cloud, support: Support, sought: dict[str, ObjectType], 
     likelihood = {
         name: type_log_likelihood(fit.height_error_m, fit.outline_error_m, distance_m) for name, fit in fits.items()
     }
-    best = fits[max(likelihood, key=likelihood.__getitem__)]
+    best = fits[likeliest(likelihood)]
     if not _explains(best):
         return None
     x, y, theta = (float(value) for value in best.xy_theta)

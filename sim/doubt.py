@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,38 +15,50 @@ Floats = NDArray[np.float64]
 SPREAD_SDS, SPREAD_STEP_M = 2.0, 0.005
 
 
-def spread(belief: Belief, anchor: str, limit_m: float) -> float:
-    """Return by how much an object may be beside its mean place, in whole steps, at most `limit_m`."""
-    return _in_steps(_deviation(relative_covariance(belief, anchor)), limit_m)
+class Doubts:
+    """The doubts about places in one belief, whose joint covariance is unpacked once, when it is first needed."""
 
+    def __init__(self, belief: Belief) -> None:
+        """Read a belief."""
+        self._belief = belief
+        self._rows = {key: range(3 * i, 3 * i + 3) for i, key in enumerate(belief.keys)}
+        self._base = next((key for key in belief.keys if key not in belief.objects), None)
 
-def own_spread(belief: Belief, anchor: str, limit_m: float) -> float:
-    """Return by how much an object may be beside its place among the others: the least spread relative to one of them.
+    def spread(self, anchor: str, limit_m: float) -> float:
+        """Return by how much an object may be beside its mean place, in whole steps, at most `limit_m`."""
+        return _in_steps(_deviation(self.relative_covariance(anchor)), limit_m)
 
-    What was seen together shares the error of the camera and of every drive since, so one still hides the other or not.
-    """
-    others = [key for key in belief.keys if key != anchor] if anchor in belief.keys else []
-    deviations = [_deviation(relative_covariance(belief, anchor, other)) for other in others]
-    return _in_steps(min(deviations, default=_deviation(relative_covariance(belief, anchor))), limit_m)
+    def own_spread(self, anchor: str, limit_m: float) -> float:
+        """Return by how much an object may be beside its place among the others: the least spread relative to one.
 
+        What was seen together shares the error of the camera and of every drive since, so one still hides the other or
+        not.
+        """
+        others = [key for key in self._rows if key != anchor] if anchor in self._rows else []
+        if not others:
+            return self.spread(anchor, limit_m)
+        return _in_steps(min(_deviation(self.relative_covariance(anchor, other)) for other in others), limit_m)
 
-def relative_covariance(belief: Belief, anchor: str, other: str | None = None) -> Floats:
-    """Return the covariance of other_T_object, shape (3, 3), x, y [m], theta [rad], tangent space, object frame.
+    def relative_covariance(self, anchor: str, other: str | None = None) -> Floats:
+        """Return the covariance of other_T_object, shape (3, 3), x, y [m], theta [rad], tangent space, object frame.
 
-    The other is the base unless named: the key of the joint covariance that names no object. Without both rows: the
-    object's own marginal.
-    """
-    base = other or next((key for key in belief.keys if key not in belief.objects), None)
-    if base is None or anchor not in belief.keys:
-        return _symmetric(belief.objects[anchor].covariance, 3)
-    joint = _symmetric(belief.joint_covariance, 3 * len(belief.keys))
-    rows = [3 * belief.keys.index(key) + i for key in (base, anchor) for i in range(3)]
-    seen_from = flat(belief.objects[base].world_T_object) if base in belief.objects else belief.world_T_base
-    x, y, theta = compose2(inverse2(flat(belief.objects[anchor].world_T_object)), seen_from)
-    c, s = math.cos(theta), math.sin(theta)
-    adjoint = np.array([[c, -s, y], [s, c, -x], [0.0, 0.0, 1.0]])
-    jacobian = np.hstack([-adjoint, np.eye(3)])
-    return np.asarray(jacobian @ joint[np.ix_(rows, rows)] @ jacobian.T)
+        The other is the base unless named: the key of the joint covariance that names no object. Without both rows: the
+        object's own marginal.
+        """
+        objects, base = self._belief.objects, other or self._base
+        if base is None or anchor not in self._rows:
+            return _symmetric(objects[anchor].covariance, 3)
+        rows = [*self._rows[base], *self._rows[anchor]]
+        seen_from = flat(objects[base].world_T_object) if base in objects else self._belief.world_T_base
+        x, y, theta = compose2(inverse2(flat(objects[anchor].world_T_object)), seen_from)
+        c, s = math.cos(theta), math.sin(theta)
+        adjoint = np.array([[c, -s, y], [s, c, -x], [0.0, 0.0, 1.0]])
+        jacobian = np.hstack([-adjoint, np.eye(3)])
+        return np.asarray(jacobian @ self._joint[np.ix_(rows, rows)] @ jacobian.T)
+
+    @cached_property
+    def _joint(self) -> Floats:
+        return _symmetric(self._belief.joint_covariance, 3 * len(self._belief.keys))
 
 
 def _deviation(covariance: Floats) -> float:

@@ -7,11 +7,10 @@ fight a constraint, and then the wrist reads a wrong weight. Without them it rea
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.sim.bodies import GRAVITY
 from skolem.sim.bullet import p
 from skolem.sim.poses import rotation
 from skolem.sim.world import Grasp, World
-from skolem.traces.messages import Hand
+from skolem.traces.messages import GRAVITY, Hand
 
 GRASP_FORCE = 500.0  # N, the most the constraint bears
 MIN_GAP_M = 0.01  # fingers closer than this hold nothing

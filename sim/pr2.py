@@ -31,10 +31,6 @@ FINGERS: Mapping[Hand, tuple[str, ...]] = MappingProxyType(
     {hand: tuple(f"{hand[0]}_gripper_{name}_joint" for name in _FINGERS) for hand in HANDS}
 )
 TOOL_FRAME: Mapping[Hand, str] = MappingProxyType({hand: f"{hand[0]}_gripper_tool_frame" for hand in HANDS})
-DOF20 = (*BASE, TORSO, *HEAD, *ARM["right"], *ARM["left"])
-CONTINUOUS = frozenset(
-    ["base_theta", *(f"{hand[0]}_{name}_joint" for hand in HANDS for name in ("forearm_roll", "wrist_roll"))]
-)
 FINGER_OPEN_RAD = 0.5  # of 0.548: fingertips 8.6 cm apart
 CARRY: Mapping[Hand, Joints7] = MappingProxyType(  # tool level at (0.45, -+0.50, 1.00) when the torso is at 0.2
     {

@@ -23,6 +23,7 @@ from skolem.sim.truth import TrueBody
 from skolem.sim.world import Recorder, World
 from skolem.traces.messages import (
     HANDS,
+    SENSING_HAND,
     Action,
     ActionResult,
     Hand,
@@ -41,7 +42,6 @@ from skolem.traces.messages import (
     Wrench,
 )
 
-SENSING_HAND: Hand = "right"  # only this wrist has a force sensor
 SETTLE_TICKS, AVERAGE_TICKS = 24, 48  # of a weighing
 FALL_TICKS = 90  # a released thing comes to rest
 LIMB_RADIUS_M = 0.10  # points this near an arm's axis are the arm

@@ -9,7 +9,7 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from numpy.random import PCG64, Generator, SeedSequence
 from pydantic import BaseModel, ValidationError
@@ -20,6 +20,7 @@ from skolem.sim.scenario_document import Address, Document, load_document, neare
 from skolem.sim.scenario_models import BelievedObject, BelievedRegion, ColourPrior, LogNormal, Scenario, WorldObject
 from skolem.sim.truth import TrueBody
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import (
     HsvBelief,
     NoiseModel,
@@ -45,6 +46,7 @@ __all__ = [
 ]
 
 Types = Mapping[str, ObjectType]
+T = TypeVar("T")
 GoalFaults = Callable[[str, frozenset[str]], list[tuple[int, str]]]
 TABLE_HSV = (0.083, 0.46, 0.65)  # wood, of what the scenario gives no colour
 TABLE_KG = 30.0
@@ -133,12 +135,17 @@ def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Pri
         robot=robot,
         objects=tuple(told.values()),
         regions=tuple(_region(item, scenario) for item in scenario.belief.regions),
-        types=dict(types),
-        type=dict(scenario.priors.type or {}),
+        types=_sorted(types),
+        type=_sorted(scenario.priors.type or {}),
         colour=_hsv(scenario.priors.colour),
         log_weight=_log_weight(scenario.priors.log_weight),
         noise=believed_noise(scenario),
     )
+
+
+def _sorted(of_types: Mapping[str, T]) -> dict[str, T]:
+    """Return a mapping in the order in which a trace keeps it: shares summed in another one differ in a last digit."""
+    return dict(sorted(of_types.items()))
 
 
 def believed_noise(scenario: Scenario) -> NoiseModel:
@@ -166,10 +173,10 @@ def _told(
     else:
         under = told[item.on]
         x, y, theta = compose2((*under.world_T_object[:2], under.world_T_object[3]), item.at)
-        z, support = types[max(sorted(under.type), key=under.type.__getitem__)].size_m[2], item.on
+        z, support = types[likeliest(under.type)].size_m[2], item.on
     return PriorObject(
         anchor=item.id,
-        type=dict(item.type),
+        type=_sorted(item.type),
         world_T_object=(x, y, z, theta),
         sd_xy_m=sd_xy,
         sd_theta_rad=sd_theta,

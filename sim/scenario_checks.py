@@ -15,6 +15,7 @@ from skolem.sim.footprints import Footprint, footprint, overhang, overlaps
 from skolem.sim.poses import compose2
 from skolem.sim.scenario_document import Address, nearest
 from skolem.sim.scenario_models import REGION_NAME, BasePose, BelievedObject, Disturbance, Place, WorldObject
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import ObjectType, Pose2
 
 M = TypeVar("M", bound=BaseModel)
@@ -156,9 +157,7 @@ def _believed_kinds(values: Mapping[str, Any]) -> dict[str, str | None]:
     address = ("belief", "objects")
     believed = {item.id: item for item in _readable(values, address, BelievedObject).values()}
     kinds: dict[str, str | None] = dict.fromkeys(_ids(values, address))
-    return kinds | {
-        name: max(sorted(item.type), key=item.type.__getitem__, default="") for name, item in believed.items()
-    }
+    return kinds | {name: likeliest(item.type) if item.type else "" for name, item in believed.items()}
 
 
 def _regions(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:

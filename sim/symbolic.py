@@ -20,7 +20,7 @@ from skolem.sim.cloud import Frame, misplaced
 from skolem.sim.corridors import HAND_M, pillar, standing_in
 from skolem.sim.detection_noise import worsen
 from skolem.sim.detector import Seen, canonical_order, pose_covariance
-from skolem.sim.fitting import MODEL_SD_M, UNKNOWN_YAW_SD_RAD
+from skolem.sim.fitting import FIT_SD_M, UNKNOWN_YAW_SD_RAD
 from skolem.sim.footprints import Footprint, footprint, overhang
 from skolem.sim.likelihood import likeness
 from skolem.sim.noise import Extrinsics, Purpose, extrinsic_error, odometry_error, stream, wrist_error
@@ -31,6 +31,8 @@ from skolem.sim.symbolic_arm import CARRY, base_T_tool
 from skolem.sim.symbolic_view import Solid, camera, depth_view, in_sight, points_in_sight, table_in_sight
 from skolem.sim.truth import TrueBody
 from skolem.traces.messages import (
+    GRAVITY,
+    SENSING_HAND,
     TICKS_PER_SECOND,
     Action,
     ActionResult,
@@ -53,7 +55,6 @@ from skolem.traces.messages import (
     Wrench,
 )
 
-GRAVITY = 9.81
 TABLE_SD_M, TABLE_SD_RAD = 0.005, 0.01  # of a seen table beside the camera's error
 CAPTURE_M, CAPTURE_RAD = 0.03, 0.2  # a hand closes on what is this near to where it was planned to be
 OPEN_GAP_M = 0.086  # between the open fingers
@@ -62,7 +63,6 @@ PLACE_M = 0.02  # between places on a top where a false detection can claim to s
 SPEED_M, SPEED_RAD = 0.5, 0.7  # of the base, per second
 LOOK_S, HAND_S, WEIGH_S = 1.0, 6.0, 1.0  # simulated duration of the other actions
 WEIGH_SAMPLES = 48
-SENSING_HAND: Hand = "right"
 GRASP_STREAM, PLACE_STREAM = (
     101,
     102,
@@ -314,7 +314,7 @@ class SymbolicWorld:
         body, upright = self._bodies[solid.id], solid.type.shape == "cylinder"
         x, y, z, theta = base_T_seen
         base_T_object = (x, y, z, 0.0 if upright else wrap(2.0 * theta) / 2.0)
-        fit = np.diag([MODEL_SD_M**2, MODEL_SD_M**2, UNKNOWN_YAW_SD_RAD**2 if upright else MODEL_SD_M**2])
+        fit = np.diag([FIT_SD_M**2, FIT_SD_M**2, UNKNOWN_YAW_SD_RAD**2 if upright else FIT_SD_M**2])
         h, s, v = body.hsv
         distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))
         return Detection(

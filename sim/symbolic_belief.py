@@ -5,10 +5,11 @@ import math
 from collections.abc import Iterator, Mapping
 
 from skolem.sim.corridors import Pillar, pillar
-from skolem.sim.doubt import own_spread
+from skolem.sim.doubt import Doubts
 from skolem.sim.footprints import Footprint, footprint, overlaps
 from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap
 from skolem.sim.symbolic_sight import BelievedSight, Thing
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Belief, Hand, ObjectBelief, ObjectType, Pose2, Pose4
 
 STANDOFF_M = 0.62  # from the base to what a hand reaches for
@@ -26,6 +27,7 @@ class SymbolicBelief:
         """Read a belief whose objects are of these types."""
         self._types = types
         self.belief = belief
+        self._doubts = Doubts(belief)
 
     def object(self, anchor: str) -> ObjectBelief:
         """Return all that is believed of an anchor."""
@@ -33,8 +35,7 @@ class SymbolicBelief:
 
     def type(self, anchor: str) -> ObjectType:
         """Return its most likely type."""
-        shares = self.object(anchor).type
-        return self._types[max(sorted(shares), key=shares.__getitem__)]
+        return self._types[likeliest(self.object(anchor).type)]
 
     def base_T(self, world_T_thing: Pose4, world_T_base: Pose2 | None = None) -> Pose4:
         """Return where something is seen from a base pose; from where the base is, if none is given."""
@@ -54,7 +55,7 @@ class SymbolicBelief:
 
     def doubt(self, anchor: str) -> float:
         """Return how far beside its place among the other things an object may be."""
-        return own_spread(self.belief, anchor, DOUBT_LIMIT_M)
+        return self._doubts.own_spread(anchor, DOUBT_LIMIT_M)
 
     def pillar(self, anchor: str) -> Pillar:
         """Return an object as a pillar."""

@@ -16,6 +16,7 @@ from scipy.optimize import least_squares
 from skolem.sim.cloud import Cloud
 from skolem.sim.edges import Top, passed, tops
 from skolem.sim.supports import Support
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import ObjectType
 
 HEIGHT_M = 0.06  # a top this much off its type's height is not one: three sd of a camera 1 degree off, at 1.2 m
@@ -108,7 +109,7 @@ def _fit(top: Top, support: Support, empty: Array, sought: dict[str, ObjectType]
     score = {name: _score(kind, support, top) for name, kind in sought.items() if laid[name]}
     if not score:
         return None
-    best = max(sorted(score), key=score.__getitem__)
+    best = likeliest(score)
     if len(laid[best]) > 1 or score[best] < MIN_LOG_LIKELIHOOD:
         return None
     xy_theta, covariance = _refined(laid[best][0], theta, sought[best], sides)

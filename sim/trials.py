@@ -16,11 +16,10 @@ from skolem.sim.arm_motions import ArmPlanner, Spots
 from skolem.sim.believed import BelievedWorld
 from skolem.sim.candidates import Candidates
 from skolem.sim.stances import Stances
-from skolem.traces.messages import Belief, Command, Hand, LookAt, Pick, Pose2, Weigh
+from skolem.traces.messages import SENSING_HAND, Belief, Command, Hand, LookAt, Pick, Pose2, Weigh
 
 Floats = NDArray[np.float64]
 
-SENSING_HAND: Hand = "right"  # the only wrist with a force-torque sensor
 STANCE_MARGIN_M = 0.04  # distance that all of the robot keeps to everything where it stops
 CHECKED_STANCES, SKETCHED_STANCES, JOINED_STANCES = 80, 16, 4  # how many are tried, by rising effort
 SAME_M, SAME_RAD = 0.08, 0.2  # stances nearer than this to one that failed are skipped

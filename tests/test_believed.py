@@ -1,16 +1,12 @@
-import math
 from collections.abc import Iterator
 
 import believed_scenes as scenes
-import numpy as np
 import pytest
 
 from skolem.sim import bodies
 from skolem.sim.believed import BelievedWorld
 from skolem.sim.bullet import p
-from skolem.sim.doubt import own_spread, relative_covariance, spread
-from skolem.sim.poses import compose2, inverse2, raised
-from skolem.traces.messages import Belief, Pose2
+from skolem.traces.messages import Belief
 
 pytestmark = pytest.mark.physics
 
@@ -55,23 +51,6 @@ def test_things_are_wider_by_their_doubt_and_tables_are_not(world: BelievedWorld
 def test_spread_has_a_limit(world: BelievedWorld) -> None:
     world.update(scenes.belief(scenes.sodas(sd_m=0.3)))
     assert world.standing["soda1"].spread_m == pytest.approx(0.05)
-
-
-def test_doubt_shared_with_the_base_is_no_doubt() -> None:
-    """If all that is unknown is where the base stands, an object seen from it has no doubt at all."""
-    world_T_base: Pose2 = (0.5, -0.4, 0.6)
-    base_T_object: Pose2 = (0.8, 0.6, 0.3)
-    x, y, theta = inverse2(base_T_object)
-    c, s = math.cos(theta), math.sin(theta)
-    adjoint = np.array([[c, -s, y], [s, c, -x], [0.0, 0.0, 1.0]])
-    root = np.random.default_rng(0).normal(size=(3, 3)) * 0.05
-    of_base = root @ root.T
-    joint = np.block([[of_base, of_base @ adjoint.T], [adjoint @ of_base, adjoint @ of_base @ adjoint.T]])
-    soda = scenes.believed("soda", raised(compose2(world_T_base, base_T_object), 0.68))
-    belief = scenes.belief({"soda1": soda}, world_T_base).model_copy(
-        update={"keys": ("base", "soda1"), "joint_covariance": tuple(joint[np.triu_indices(6)].tolist())}
-    )
-    assert relative_covariance(belief, "soda1") == pytest.approx(np.zeros((3, 3)), abs=1e-12)
 
 
 def test_a_body_is_reposed_not_made_anew(world: BelievedWorld) -> None:
@@ -142,11 +121,6 @@ def test_the_belief_decides_and_not_what_was_asked_before(world: BelievedWorld) 
     assert world.robot.base() == (0.0, 0.0, 0.0)
 
 
-def test_without_a_row_in_the_joint_covariance_the_marginal_counts() -> None:
-    belief = scenes.belief(scenes.sodas(sd_m=0.02))
-    assert relative_covariance(belief, "soda1")[:2, :2] == pytest.approx(np.eye(2) * 0.0004)
-
-
 def test_before_a_moving_arm_all_but_the_target_is_wider(world: BelievedWorld) -> None:
     objects = scenes.sodas() | {"table1": scenes.believed("table", scenes.TABLES["table1"], 0.01)}
     world.update(scenes.belief(objects, (0.5, 0.0, 0.0)))
@@ -167,20 +141,6 @@ def test_what_an_arm_or_the_base_is_near_already_does_not_stop_the_arm(world: Be
         world.update(scenes.belief(objects, (x, 0.0, 0.0)))
         with world.wary("right"):
             assert world.free()
-
-
-def test_doubt_that_things_share_does_not_count_among_them() -> None:
-    """Two objects seen in one picture, far in doubt relative to the base, are known relative to each other."""
-    first, second = scenes.believed("soda", (1.0, 0.0, 0.68, 0.0)), scenes.believed("soda", (1.2, 0.1, 0.68, 0.0))
-    shared = np.diag([0.05, 0.05, 0.0]) ** 2
-    own = np.eye(3) * 1e-6
-    zero = np.zeros((3, 3))
-    joint = np.block([[zero, zero, zero], [zero, shared + own, shared], [zero, shared, shared + own]])
-    belief = scenes.belief({"a": first, "b": second}).model_copy(
-        update={"keys": ("base", "a", "b"), "joint_covariance": tuple(joint[np.triu_indices(9)].tolist())}
-    )
-    assert spread(belief, "a", 0.05) == pytest.approx(0.05)
-    assert own_spread(belief, "a", 0.05) == pytest.approx(0.005)
 
 
 def test_what_is_removed_or_in_an_emptied_hand_is_nowhere_meanwhile(world: BelievedWorld) -> None:

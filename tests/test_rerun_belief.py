@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skolem.traces.messages import HsvBelief, ObjectBelief
-from skolem.traces.rerun_belief import SIGMAS, likely_type, spread
+from skolem.traces.rerun_belief import SIGMAS, spread
 
 
 def known(x: float = 1.0, **changes: object) -> ObjectBelief:
@@ -19,10 +19,6 @@ def known(x: float = 1.0, **changes: object) -> ObjectBelief:
         log_weight=(-1.2, 0.36),
     )
     return before.model_copy(update=changes)
-
-
-def test_of_equally_likely_types_the_first_by_name_is_drawn() -> None:
-    assert likely_type(known(type={"can": 0.5, "bottle": 0.5})) == "bottle"
 
 
 def test_the_ellipsoid_has_the_axes_of_the_covariance_turned_with_the_object() -> None:

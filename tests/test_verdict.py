@@ -61,6 +61,23 @@ def test_descriptions_with_a_nested_exists_are_evaluated_too(rulebook: Rulebook)
     assert judged(rulebook, goal, GREEN) == Verdict(true=True, witness="sodaC")
 
 
+@pytest.mark.parametrize(
+    "goal",
+    ["B(Soda(ghost), 0.5)", "B(Green(ghost), 0.9)", "B(On(ghost, table1), 0.9)", "B(Holds((Soda,), ghost), 0.5)"],
+)
+def test_what_the_robot_was_told_of_but_does_not_exist_makes_no_goal_true(rulebook: Rulebook, goal: str) -> None:
+    assert judged(rulebook, goal, GREEN) == Verdict(true=False)
+
+
+def test_what_does_not_exist_has_no_property_and_stands_nowhere() -> None:
+    truth = Truth(state(GREEN), Rulebook.load(Queries).vocabulary.types)
+    assert truth.prob_property("ghost", TypeIs(type="soda")) == 0.0
+    assert truth.prob_on("ghost", "table1") == truth.prob_on("sodaC", "ghost") == 0.0
+    assert truth.prob_near("ghost", "sodaC", 9.0) == truth.prob_near("sodaC", "ghost", 9.0) == 0.0
+    assert truth.support("ghost") is None
+    assert not truth.graspable("ghost")
+
+
 def test_truth_answers_every_query_with_certainty() -> None:
     types = Rulebook.load(Queries).vocabulary.types
     truth: BeliefQueries = Truth(state(RED, GREEN.model_copy(update={"on": None, "in_hand": "left"})), types)

@@ -7,6 +7,7 @@ prior, and the pose of a held object `in hand`.
 import math
 from collections.abc import Mapping
 
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Belief, HsvBelief, HsvVolume, Meaning, ObjectBelief
 
 COLUMNS = ("anchor", "type d", "pose d", "color d", "weight d")
@@ -40,12 +41,7 @@ def colour_name(colour: HsvBelief, meanings: Mapping[str, Meaning]) -> str:
     """Return the first colour word, by alphabet, whose volume contains the mean, or the mean itself."""
     h, s, v = colour.mean
     for word, meaning in sorted(meanings.items()):
-        if not isinstance(meaning, HsvVolume):
-            continue
-        low, high = meaning.hue
-        around = low <= h % 1.0 <= high if low <= high else h % 1.0 >= low or h % 1.0 <= high
-        within = meaning.saturation[0] <= s <= meaning.saturation[1]
-        if around and within and meaning.value[0] <= v <= meaning.value[1]:
+        if isinstance(meaning, HsvVolume) and meaning.contains((h % 1.0, s, v)):
             return word
     return f"hsv {h % 1.0:.2f} {s:.2f} {v:.2f}"
 
@@ -56,7 +52,7 @@ def probability(p: float) -> str:
 
 
 def _type(known: ObjectBelief) -> str:
-    name = max(sorted(known.type), key=known.type.__getitem__)
+    name = likeliest(known.type)
     return f"{name}, {probability(known.type[name])}"
 
 

@@ -10,6 +10,7 @@ from skolem.tools.plan_tree import DROPPED, drop_line, plan_lines
 from skolem.tools.recorded_rules import rulebook_of
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.fluents import readable
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,
@@ -189,7 +190,7 @@ def _sensed(observation: Observation) -> Iterator[str]:
 
 def _seen(detection: Detection) -> str:
     likelihoods = detection.type_log_likelihood
-    kind = max(sorted(likelihoods), key=likelihoods.__getitem__, default="of no type")
+    kind = likeliest(likelihoods) if likelihoods else "of no type"
     x, y, z, _ = detection.base_T_object
     rgb = " ".join(f"{channel:.2f}" for channel in detection.rgb)
     return f"{kind} at ({x:.2f}, {y:.2f}, {z:.2f}) from the base, rgb {rgb}, {detection.points} points"

@@ -31,7 +31,10 @@ _DIMENSIONS: Mapping[Quantity, int] = {"pose": 3, "colour": 3, "weight": 1}
 
 
 class Truth:
-    """Answers the questions asked of a belief from what is so. Satisfies `reasoner.protocols.BeliefQueries`."""
+    """Answers the questions asked of a belief from what is so. Satisfies `reasoner.protocols.BeliefQueries`.
+
+    The robot may be told of what does not exist: that has no property and stands nowhere.
+    """
 
     def __init__(self, state: TrueState, types: Mapping[str, ObjectType]) -> None:
         """Take over a true state."""
@@ -55,12 +58,12 @@ class Truth:
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
         """1 if the object has the property."""
-        return float(_has(self._objects[anchor], meaning))
+        return float(anchor in self._objects and _has(self._objects[anchor], meaning))
 
     def prob_on(self, anchor: str, support: str) -> float:
         """1 if the object rests wholly on the top of `support`."""
-        item, under = self._objects[anchor], self._objects.get(support)
-        if under is None or item.in_hand is not None or item.on != support:
+        item, under = self._objects.get(anchor), self._objects.get(support)
+        if item is None or under is None or item.in_hand is not None or item.on != support:
             return 0.0
         inner = footprint(self._types[item.type], flat(item.world_T_object))
         outer = footprint(self._types[under.type], flat(under.world_T_object))
@@ -68,10 +71,12 @@ class Truth:
 
     def support(self, anchor: str) -> str | None:
         """What the object rests on."""
-        return self._objects[anchor].on
+        return self._objects[anchor].on if anchor in self._objects else None
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
         """1 if the middles of two objects are at most so far apart."""
+        if anchor not in self._objects or other not in self._objects:
+            return 0.0
         (x, y, *_), (u, v, *_) = self._objects[anchor].world_T_object, self._objects[other].world_T_object
         return float(math.hypot(x - u, y - v) <= distance_m)
 
@@ -97,7 +102,7 @@ class Truth:
 
     def graspable(self, anchor: str) -> bool:
         """Whether the object's type can be grasped."""
-        return self._types[self._objects[anchor].type].graspable
+        return anchor in self._objects and self._types[self._objects[anchor].type].graspable
 
     def held(self, hand: Hand) -> str | None:
         """The object in that hand."""
@@ -148,9 +153,5 @@ def _has(item: TrueObject, meaning: Meaning) -> bool:
     if isinstance(meaning, TypeIs):
         return item.type == meaning.type
     if isinstance(meaning, HsvVolume):
-        hue, (saturation, value) = item.hsv[0], item.hsv[1:]
-        low, high = meaning.hue
-        around = low <= hue <= high if low <= high else hue >= low or hue <= high
-        within = meaning.saturation[0] <= saturation <= meaning.saturation[1]
-        return around and within and meaning.value[0] <= value <= meaning.value[1]
+        return meaning.contains(item.hsv)
     return meaning.at_least_kg <= item.kg and (meaning.below_kg is None or item.kg < meaning.below_kg)

@@ -15,10 +15,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 SCHEMA_VERSION = 1
 TICKS_PER_SECOND = 240
+GRAVITY = 9.81  # m/s^2: what is felt at a wrist, per kg
 
 Anchor = Annotated[str, Field(pattern=r"^(_[a-z]+\d+_|[a-z][A-Za-z0-9_]*)$", description="internal name of an object")]
 Hand = Literal["right", "left"]
 HANDS: tuple[Hand, ...] = ("right", "left")
+SENSING_HAND: Hand = "right"  # the only wrist with a force-torque sensor
 Probability = Annotated[float, Field(ge=0.0, le=1.0)]
 MicroNats = Annotated[int, Field(ge=0, le=50_000_000, description="-ln p in millionths, capped at 50 nats")]
 Step = Annotated[int, Field(ge=0, description="number of actions executed before")]
@@ -76,6 +78,14 @@ class HsvVolume(Message):
     hue: tuple[float, float]
     saturation: tuple[float, float]
     value: tuple[float, float]
+
+    def contains(self, hsv: tuple[float, float, float]) -> bool:
+        """Return whether a colour (hue, saturation, value, each 0..1) is in the volume, borders included."""
+        hue, saturation, value = hsv
+        low, high = self.hue
+        around = low <= hue <= high if low <= high else hue >= low or hue <= high
+        within = self.saturation[0] <= saturation <= self.saturation[1]
+        return around and within and self.value[0] <= value <= self.value[1]
 
 
 class WeightInterval(Message):
@@ -437,6 +447,9 @@ class Memory(Message):
     executed: RememberedStep | None = Field(description="the step that was carried out last, if it is yet to be judged")
     failures: dict[str, int] = Field(description="how often in a row a step did not do what it should, by instance")
     in_vain: dict[str, int] = Field(default={}, description="the same since the robot last moved, by command")
+    objections: dict[str, str] = Field(
+        default={}, description="why the robot cannot do such a step at all, by instance"
+    )
 
 
 class Candidate(Message):

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import rerun as rr
 
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Belief, ObjectBelief, ObjectType, Pose4
 from skolem.traces.rerun_rows import Rows, When
 from skolem.traces.rerun_shapes import FRAME, GREY, Rgba, Shapes, point_on, rgba, turned
@@ -36,7 +37,7 @@ class Beliefs:
         self._rows.add("belief/base", when, spread((x, y, 0.0, theta), belief.base_covariance, _FLAT_M, _ORANGE))
         for anchor in belief.anchors:
             known = belief.objects[anchor]
-            self._draw(anchor, known, when, types[likely_type(known)])
+            self._draw(anchor, known, when, types[likeliest(known.type)])
         for gone in sorted(self._known.difference(belief.anchors)):
             self._erase(gone, when)
         self._known = set(belief.anchors)
@@ -53,11 +54,6 @@ class Beliefs:
     def _erase(self, anchor: str, when: When) -> None:
         self._shapes.erase(f"belief/{anchor}", when)
         self._rows.add(f"belief/{anchor}/place", when, rr.Ellipsoids3D(half_sizes=[]))
-
-
-def likely_type(known: ObjectBelief) -> str:
-    """Return the most likely type, of equally likely ones the first by name."""
-    return max(sorted(known.type), key=known.type.__getitem__)
 
 
 def _pale(hsv: Sequence[float]) -> Rgba:

@@ -12,6 +12,7 @@ import rerun as rr
 from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 
+from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import DepthView, Detection, ObjectType, Observation
 from skolem.traces.rerun_layout import HEIGHT_PX, Rectangle, Seen, Wish, arrange, dots
 from skolem.traces.rerun_rows import Rows, When
@@ -52,7 +53,8 @@ class Camera:
 
     def observed(self, message: Observation, when: When, types: Mapping[str, ObjectType]) -> None:
         """Show what was detected; detections in 3D stay until the next observation, of whatever kind."""
-        seen = [(found, types[likely(found)]) for found in message.detections if likely(found) in types]
+        likely = [(found, likeliest(found.type_log_likelihood)) for found in message.detections]
+        seen = [(found, types[name]) for found, name in likely if name in types]
         tops = [point_on(found.base_T_object, (0.0, 0.0, kind.size_m[2] + _ABOVE_M)) for found, kind in seen]
         colours = [[round(255 * part) for part in found.rgb] for found, _ in seen]
         self._rows.add("detections", when, rr.Points3D(tops, radii=[_BALL_M] * len(tops), colors=colours))
@@ -75,20 +77,15 @@ class Camera:
             colors=[_YELLOW] * len(boxes),
         )
         self._rows.add(f"{image}/detections", when, marks)
+        names = [likeliest(found.type_log_likelihood) for found, _ in seen]
         texts = rr.Points2D(
-            label_points(boxes, [likely(found) for found, _ in seen], size),
+            label_points(boxes, names, size),
             radii=[0.0] * len(boxes),
-            labels=[likely(found) for found, _ in seen],
+            labels=names,
             colors=[_YELLOW] * len(boxes),
             show_labels=True,
         )
         self._rows.add(f"{image}/labels", when, texts)
-
-
-def likely(found: Detection) -> str:
-    """Return the type a detection most looks like, of equally likely ones the first by name."""
-    scores = found.type_log_likelihood
-    return max(sorted(scores), key=scores.__getitem__)
 
 
 def outline(found: Detection, kind: ObjectType, view: DepthView, size: tuple[int, int]) -> Rectangle:

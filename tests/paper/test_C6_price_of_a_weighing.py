@@ -7,7 +7,8 @@ import pytest
 from numpy.random import PCG64, Generator, SeedSequence
 from papers import HEAVY
 
-from skolem.estimation.weight import GRAVITY, WeightBelief, WeightSensor
+from skolem.estimation.weight import WeightBelief, WeightSensor
+from skolem.traces.messages import GRAVITY
 
 
 @pytest.mark.parametrize(("sd_newton", "drift_newton"), [(0.4, 0.05), (0.5, 0.2), (0.6, 0.0), (1.5, 0.0)])
