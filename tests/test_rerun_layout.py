@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from skolem.traces.rerun_eye import EYE, VIEW_PX
+from skolem.traces.rerun_eye import VIEW_PX, Eye
 from skolem.traces.rerun_layout import Seen, Wish, arrange, dots, half_size
 
 ROOM = (800.0, 600.0)
 MIDDLE = (400.0, 300.0)
+EYE = Eye(at=(2.95, -0.75, 2.55), target=(0.3, -0.12, 0.68))
 
 
 def corners(text: str, middle: tuple[float, float]) -> tuple[float, float, float, float]:
@@ -52,10 +53,10 @@ def test_of_several_places_the_free_one_is_taken() -> None:
 
 def test_no_line_to_a_label_runs_through_another_label() -> None:
     below, above = (400.0, 340.0), (400.0, 300.0)
-    first, second = arrange([Wish("_reg1_: 33 % seen", (above,)), Wish("o1", ((400.0, 260.0),), below)], [], ROOM)
+    first, second = arrange([Wish("_reg1_: 33 % unsearched", (above,)), Wish("o1", ((400.0, 260.0),), below)], [], ROOM)
     end = np.clip(below, *np.split(np.array(corners("o1", second)), 2))
     line = np.linspace(below, end, 50)
-    left, top, right, bottom = corners("_reg1_: 33 % seen", first)
+    left, top, right, bottom = corners("_reg1_: 33 % unsearched", first)
     assert not np.any((line[:, 0] > left) & (line[:, 0] < right) & (line[:, 1] > top) & (line[:, 1] < bottom))
 
 

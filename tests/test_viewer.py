@@ -79,7 +79,7 @@ def test_a_recording_without_things_is_found_out(tmp_path: Path) -> None:
     stream = rr.RecordingStream("skolem")
     stream.save(tmp_path / "empty.rrd")
     stream.log("log", rr.TextLog("nothing"), static=True)
-    stream.send_blueprint(blueprint(pictures=False))
+    stream.send_blueprint(blueprint(pictures=False, eye=None))
     stream.flush()
     stream.disconnect()
     viewer.shoot(tmp_path / "empty.rrd", tmp_path / "empty.png", None)

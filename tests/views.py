@@ -4,6 +4,7 @@ import shutil
 from collections import Counter
 from pathlib import Path
 
+import rerun as rr
 from needs import missing
 from recordings import SCENARIOS
 from rerun.chunk import RrdReader
@@ -11,7 +12,10 @@ from rerun.chunk import RrdReader
 from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.viewing import pr2_model
 from skolem.traces.reader import Trace
+from skolem.traces.rerun_eye import Eye
+from skolem.traces.to_rerun import Scene
 
 DRIVERS = (Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d"))
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -23,6 +27,14 @@ def filmed(path: Path, name: str, steps: int) -> Trace:
     setup = prepare(SCENARIOS / f"{name}.yaml", [f"limits.steps={steps}"], 0, "pybullet", images=True)
     run(setup, path, Silence(), Stopwatch(), Outcome())
     return Trace(path)
+
+
+def eye_of(trace: Trace) -> Eye:
+    """Return the eye with which a run is first looked at."""
+    scene = Scene(rr.RecordingStream("test"), pr2_model())
+    scene.survey(trace)
+    assert scene.eye is not None, "the run has no belief"
+    return scene.eye
 
 
 def rows_of(recording: Path) -> dict[str, int]:

@@ -3,7 +3,7 @@
 import rerun.blueprint as rrb
 
 from skolem.traces.rerun_camera import DEPTH, PICTURE
-from skolem.traces.rerun_eye import EYE
+from skolem.traces.rerun_eye import Eye
 from skolem.traces.rerun_rows import SIM_TIME
 
 _WORLD = (
@@ -16,11 +16,12 @@ _WORLD = (
 )
 
 
-def blueprint(pictures: bool, entropy: tuple[float, float] | None = None) -> rrb.Blueprint:
+def blueprint(pictures: bool, eye: Eye | None, entropy: tuple[float, float] | None = None) -> rrb.Blueprint:
     """Return the layout.
 
     Args:
         pictures: Whether the camera view shows pictures; otherwise the coarse depth.
+        eye: From where the world is looked at first; None: from where the viewer likes.
         entropy: From where to where the axis of entropy goes [nats]; None: wherever the curves go.
     """
     camera = PICTURE if pictures else DEPTH
@@ -31,7 +32,7 @@ def blueprint(pictures: bool, entropy: tuple[float, float] | None = None) -> rrb
                     name="World: true things solid, believed ones outlined",
                     origin="/",
                     contents=_WORLD,
-                    eye_controls=rrb.EyeControls3D(position=EYE.at, look_target=EYE.target),
+                    eye_controls=None if eye is None else rrb.EyeControls3D(position=eye.at, look_target=eye.target),
                     background=(24, 26, 30),
                 ),
                 rrb.Horizontal(

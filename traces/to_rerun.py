@@ -22,10 +22,12 @@ from skolem.traces.messages import (
     Prior,
     RunEnd,
     RunStart,
+    TrueState,
 )
 from skolem.traces.reader import Recorded, Trace
 from skolem.traces.rerun_belief import Beliefs
 from skolem.traces.rerun_camera import Camera
+from skolem.traces.rerun_eye import Eye
 from skolem.traces.rerun_labels import Labels
 from skolem.traces.rerun_log import Log
 from skolem.traces.rerun_plans import Plans
@@ -34,6 +36,7 @@ from skolem.traces.rerun_regions import Regions
 from skolem.traces.rerun_robot import Robot, RobotModel
 from skolem.traces.rerun_rows import Rows, When
 from skolem.traces.rerun_shapes import FRAME
+from skolem.traces.rerun_stage import Stage
 from skolem.traces.rerun_truth import Truth
 
 APPLICATION: Final = "skolem"  # a dot in it would make the viewer warn
@@ -51,6 +54,7 @@ def convert(trace: Trace, out: Path, model: RobotModel) -> None:
     stream = rr.RecordingStream(APPLICATION, recording_id=trace.path.stem)
     stream.save(out)
     scene = Scene(stream, model)
+    scene.survey(trace)
     for recorded in trace.messages(*scene.topics):
         scene.take(recorded)
     scene.flush(ended=True)
@@ -67,6 +71,7 @@ class Scene:
 
     Attributes:
         topics: What there is to look at.
+        eye: From where it is looked at first, and labels are laid out for; None before it is known.
     """
 
     def __init__(self, stream: rr.RecordingStream, model: RobotModel) -> None:
@@ -87,7 +92,9 @@ class Scene:
         self._types = defaultdict[str, ObjectType](lambda: _UNKNOWN)
         self._step = 0
         self._belief: tuple[Belief, When] | None = None
-        self._laid_out: bool | None = None
+        self._stage = Stage(self._robot.limbs)
+        self.eye: Eye | None = None
+        self._laid_out: tuple[bool, Eye | None] | None = None
         self._takers: dict[str, Callable[[Any, When], None]] = {
             "/run/start": self._started,
             "/prior": self._told,
@@ -99,7 +106,7 @@ class Scene:
             "/action/result": self._log.resulted,
             "/obs": self._observed,
             "/run/end": self._ended,
-            "/truth/state": lambda message, when: self._truth.state(message, when, self._types),
+            "/truth/state": self._is,
             "/truth/verdict": self._log.judged,
             "/robot/joint_states": self._robot.joints,
             "/tf": lambda message, when: self._truth.moved(message, when, self._types),
@@ -107,6 +114,19 @@ class Scene:
             "/camera/info": lambda message, _: self._camera.calibrated(message),
         }
         self.topics = tuple(self._takers)
+
+    def survey(self, run: Trace) -> None:
+        """Choose the eye for a whole run, before its first message is taken; otherwise the first belief decides."""
+        types, stage = self._types.copy(), self._stage
+        for recorded in run.messages("/prior", "/truth/state", "/belief"):
+            message = recorded.message
+            if isinstance(message, Prior):
+                types.update(message.types)
+            elif isinstance(message, TrueState):
+                stage.state(message, types)
+            elif isinstance(message, Belief):
+                stage.believed(message, types)
+        self.eye = stage.eye()
 
     def take(self, recorded: Recorded) -> None:
         """Draw a message of one of the topics; others are nothing to look at."""
@@ -121,10 +141,11 @@ class Scene:
         """Send what was drawn, and the layout when more is known of it: that there are pictures, or how far axes go."""
         self._robot.flush()
         self._rows.flush()
-        if ended or self._laid_out != self._camera.pictures:
-            self._laid_out = self._camera.pictures
+        layout = self._camera.pictures, self.eye
+        if ended or self._laid_out != layout:
+            self._laid_out = layout
             axis = self._plots.entropy_axis if ended else None
-            self._rows.stream.send_blueprint(blueprint(self._camera.pictures, axis))
+            self._rows.stream.send_blueprint(blueprint(*layout, axis))
 
     def _started(self, message: RunStart, when: When) -> None:
         self._plans = Plans(self._rows, message.goal)
@@ -132,9 +153,17 @@ class Scene:
     def _told(self, message: Prior, when: When) -> None:
         self._types.update(message.types)
 
+    def _is(self, message: TrueState, when: When) -> None:
+        self._truth.state(message, when, self._types)
+        if self.eye is None:
+            self._stage.state(message, self._types)
+
     def _believed(self, message: Belief, when: When) -> None:
         """Draw a belief but for its labels: P(Den) stands in them, and comes next if it is recorded."""
         self._belief = message, when
+        if self.eye is None:
+            self._stage.believed(message, self._types)
+            self.eye = self._stage.eye(going_on=True)
         self._robot.believed(message, when)
         self._beliefs.believed(message, when, self._types)
         self._regions.believed(message, when, self._types)
@@ -150,7 +179,8 @@ class Scene:
             belief, when = self._belief
             self._belief = None
             things, limbs = self._truth.things(self._types), self._robot.limbs(belief)
-            self._labels.believed(belief, denotation, when, self._types, things, limbs)
+            assert self.eye is not None, "the first belief decides"
+            self._labels.believed(self.eye, belief, denotation, when, self._types, things, limbs)
 
     def _planned(self, message: Plan, when: When) -> None:
         self._plans.changed(message, when)
