@@ -7,18 +7,22 @@ import sys
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from mcap.writer import Writer
+from recordings import recorded
 from tampering import each, messages, records_of, renumbered, rewrite
 
 from skolem.tools import cli
 from skolem.traces.check import Flaw, check
-from skolem.traces.codec import HashChain
+from skolem.traces.codec import CONTENT, HashChain, decode
 from skolem.traces.errors import TraceError
-from skolem.traces.messages import ActionResult, TrueState, canonical
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, TRUTH, ActionResult, RunStart, TrueState, canonical
 from skolem.traces.reader import Trace
 from skolem.traces.recover import recover
 from skolem.traces.writer import TraceWriter
@@ -118,21 +122,23 @@ def test_a_dropped_message_is_named_with_number_topic_and_step(changed: Callable
 
 
 def test_every_single_dropped_message_is_noticed(trace: Path, changed: Callable[..., Flaw]) -> None:
-    count = sum(isinstance(record, Message) for record in records_of(trace))
-    last_of_its_counter = {"/tf", "/perf"}  # the truth and the wall times have no last message to miss
-    for number in range(count):
+    topics = topics_of(trace)
+    last_truth, last_wall_time = (len(topics) - 1 - topics[::-1].index(topic) for topic in ("/tf", "/perf"))
+    for number in range(len(topics)):
 
         def without(found: list[Message], number: int = number) -> list[Message]:
             return found[:number] + found[number + 1 :]
 
-        if number == count - 1:
+        if number == len(topics) - 1:
             assert "/run/end is missing" in changed(messages(without)).message
-        elif topic_of(trace, number) not in last_of_its_counter or number < count - 7:
+        elif number == last_truth:
+            assert changed(messages(without)).step == 2
+        elif number != last_wall_time:  # wall times are in no hash
             assert changed(messages(without)).number is not None
 
 
-def topic_of(trace: Path, number: int) -> str:
-    return [recorded.topic for recorded in Trace(trace).messages()][number]
+def topics_of(trace: Path) -> list[str]:
+    return [recorded.topic for recorded in Trace(trace).messages()]
 
 
 def test_a_dropped_message_whose_gap_is_hidden_breaks_the_chain(changed: Callable[..., Flaw]) -> None:
@@ -193,6 +199,96 @@ def test_a_damaged_protobuf_message_is_named(trace: Path, changed: Callable[...,
     flaw = changed(each(Message, lambda m: replace(m, data=b"\xff") if m.channel_id == tf else m))
     assert (flaw.topic, flaw.step) == ("/tf", 0)
     assert "does not follow its schema" in flaw.message
+
+
+# ---------------------------------------------------------------- what no counter and no chain covers
+
+
+def physical_run() -> Path:
+    """Return the trace of two actions of a robot with joints: every topic but pictures and wall times."""
+    return recorded("sim1_green", world="pybullet", overrides=("limits.steps=2",))
+
+
+def with_another_digit(topic: str, records: list[object]) -> list[object]:
+    """Return a trace in which the first message of a topic says something else."""
+    channel = next(r.id for r in records if isinstance(r, Channel) and r.topic == topic)
+    place = next(i for i, r in enumerate(records) if isinstance(r, Message) and r.channel_id == channel)
+    message = records[place]
+    assert isinstance(message, Message)
+    return [*records[:place], replace(message, data=other_digit(topic, message.data)), *records[place + 1 :]]
+
+
+def other_digit(topic: str, data: bytes) -> bytes:
+    if topic in JSON_TOPICS:
+        digit = rb"(?<=[0-9]\.)[0-9]" if topic == "/run/end" else rb"[0-9](?=[^0-9]*$)"  # there the last are counts
+        other = re.sub(digit, lambda found: b"7" if found[0] != b"7" else b"5", data, count=1)
+        return other.replace(b"false", b"true") if topic == "/truth/verdict" else other
+    message = decode(topic, data)
+    assert isinstance(message, JointStates | FrameTransforms)
+    if isinstance(message, JointStates):
+        message.joints[0].position += 0.001
+    else:
+        message.transforms[0].translation.x += 0.001
+    return bytes(message.SerializeToString(deterministic=True))
+
+
+@pytest.mark.physics
+def test_one_changed_digit_is_noticed_in_every_topic(tmp_path: Path) -> None:
+    topics = set(topics_of(physical_run()))
+    assert topics > {"/robot/joint_states", "/tf", "/truth/state", "/truth/verdict"}
+    late = {"/truth/verdict": 2, "/run/end": None}  # what is written in the last step, and behind it
+    for topic in sorted(topics):
+        path = rewrite(physical_run(), tmp_path / "changed.mcap", partial(with_another_digit, topic))
+        flaw = check(path).flaw
+        assert flaw is not None, topic
+        assert flaw.step == late.get(topic, 0), (topic, flaw)
+        if CLASS_OF[topic] == TRUTH:
+            assert flaw.message.startswith("what was recorded since the step before is not as the hash"), flaw
+        path.unlink()
+
+
+@pytest.mark.physics
+def test_two_messages_of_different_counters_that_are_swapped_are_noticed(tmp_path: Path) -> None:
+    topics = topics_of(physical_run())
+    for pair in (["/obs", "/truth/state"], ["/run/start", "/robot/joint_states"], ["/robot/joint_states", "/tf"]):
+        at = next(i for i in range(len(topics)) if topics[i : i + 2] == pair)
+
+        def swapped(found: list[Message], at: int = at) -> list[Message]:
+            return [*found[:at], found[at + 1], found[at], *found[at + 2 :]]
+
+        path = rewrite(physical_run(), tmp_path / "swapped.mcap", messages(swapped))
+        flaw = check(path).flaw
+        assert flaw is not None, pair
+        if pair[0] == "/run/start":
+            assert (flaw.number, flaw.topic, flaw.message) == (0, pair[1], "comes before /run/start")
+        path.unlink()
+
+
+def test_wall_times_are_in_no_hash(trace: Path, tmp_path: Path) -> None:
+    path = rewrite(trace, tmp_path / "slower.mcap", partial(with_another_digit, "/perf"))
+    assert check(path).sound
+
+
+def test_a_hash_of_the_content_that_was_itself_changed_is_noticed(changed: Callable[..., Flaw]) -> None:
+    def other(metadata: Metadata) -> Metadata:
+        return replace(metadata, metadata={"sha256": "0" * 64}) if metadata.name == CONTENT else metadata
+
+    assert changed(each(Metadata, other)).step == 0
+
+
+def test_a_trace_from_before_there_was_a_hash_of_the_content_is_sound_and_said_to_have_none(
+    trace: Path, tmp_path: Path
+) -> None:
+    path = rewrite(trace, tmp_path / "older.mcap", without_content_hash)
+    found = check(path)
+    assert found.sound
+    assert found.remarks == (
+        "remark: no hash of its content stands in the trace: that the truth is as it was written cannot be told",
+    )
+
+
+def without_content_hash(records: list[object]) -> list[object]:
+    return [record for record in records if not (isinstance(record, Metadata) and record.name == CONTENT)]
 
 
 @pytest.mark.parametrize(
@@ -304,11 +400,13 @@ def rechained(records: list[object]) -> list[object]:
 def test_a_trace_from_before_a_field_was_added_is_sound_with_a_remark(
     trace: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = rewrite(trace, tmp_path / "older.mcap", lambda records: rechained(without_odometry(records)))
+    path = rewrite(
+        trace, tmp_path / "older.mcap", lambda records: rechained(without_odometry(without_content_hash(records)))
+    )
     assert len(list(Trace(path).of(ActionResult))) == 3
     found = check(path)
     assert found.sound, found.flaw
-    [remark] = found.remarks
+    [remark, _] = found.remarks
     assert "other schemas for /action/result" in remark
     monkeypatch.setattr("sys.argv", ["skolem", "check", str(path)])
     assert cli.main() == 0
@@ -412,17 +510,18 @@ def test_a_schema_by_which_nothing_can_have_been_written_is_named(schema: bytes,
 # ---------------------------------------------------------------- cost
 
 
-def test_checking_takes_the_memory_of_a_chunk_not_of_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "long.mcap"
+def test_checking_takes_the_memory_of_a_chunk_not_of_the_file(trace: Path, tmp_path: Path) -> None:
+    path, short = tmp_path / "long.mcap", Trace(trace)
     state = TrueState(step=0, world_T_base=(0.0, 0.0, 0.0), objects=(), sha256="x" * 4000)
-    with TraceWriter(path, attachments={}, run={}, env={}) as writer:
+    with TraceWriter(path, attachments=short.attachments, run={}, env={}) as writer:
+        writer.write("/run/start", next(short.of(RunStart)), 0)
         for tick in range(2000):
             writer.write("/truth/state", state, tick)
     tracemalloc.start()
     found = check(path)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert found.messages == 2000
+    assert (found.flaw, found.messages) == (None, 2002)
     assert peak < 2_000_000
 
 

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -227,7 +228,7 @@ def test_an_internal_error_exits_with_4_and_the_trace_is_closed(
     assert Trace(trace).content_hash == said["content_hash"]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_ctrl_c_exits_with_130_and_leaves_a_sound_trace(tmp_path: Path, number: signal.Signals) -> None:
     slow = (
         "import sys, time; from skolem.sim.symbolic import SymbolicWorld as W; e = W.execute;"
@@ -236,7 +237,8 @@ def test_ctrl_c_exits_with_130_and_leaves_a_sound_trace(tmp_path: Path, number: 
     )
     args = ["run", GREEN, "--world", "symbolic", "-o", str(tmp_path / "a.mcap"), "--json"]
     pipe = subprocess.PIPE
-    with subprocess.Popen([sys.executable, "-c", slow, *args], stdout=pipe, stderr=pipe, text=True) as process:
+    command = [sys.executable, "-c", slow, *args]
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=heed_hang_up) as process:
         assert process.stderr is not None
         process.stderr.readline()  # the first action has been executed
         process.send_signal(number)
@@ -245,6 +247,39 @@ def test_ctrl_c_exits_with_130_and_leaves_a_sound_trace(tmp_path: Path, number: 
     assert (process.returncode, said["status"]) == (130, "interrupted")
     assert said["actions"] < 8
     [end] = Trace(tmp_path / "a.mcap").of(RunEnd)
+    assert end.status == "interrupted"
+
+
+def heed_hang_up() -> None:
+    """Undo what `nohup` does, should the tests run under it."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+def test_under_nohup_a_closed_terminal_ends_nothing() -> None:
+    code = "import signal, sys; from skolem.tools.cli import main; sys.argv[1:] = ['--version']; main();"
+    code += "sys.exit(signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN)"
+    ignored = partial(signal.signal, signal.SIGHUP, signal.SIG_IGN)
+    assert subprocess.run([sys.executable, "-c", code], stdout=subprocess.DEVNULL, preexec_fn=ignored).returncode == 0
+
+
+def test_a_terminal_that_is_closed_ends_the_run_and_leaves_a_sound_trace(tmp_path: Path) -> None:
+    slow = (
+        "import sys, time; from skolem.sim.symbolic import SymbolicWorld as W; e = W.execute;"
+        "W.execute = lambda world, action: (time.sleep(0.2), e(world, action))[1];"
+        "from skolem.tools.cli import main; sys.exit(main())"
+    )
+    out = tmp_path / "a.mcap"
+    process, terminal = pty.fork()
+    if not process:
+        heed_hang_up()
+        args = ["run", GREEN, "--world", "symbolic", "-o", str(out)]
+        os.execve(sys.executable, [sys.executable, "-c", slow, *args], os.environ | {"TERM": "xterm"})
+    drawn = b""
+    while b"step 1 of" not in drawn:
+        drawn += os.read(terminal, 4096)
+    os.close(terminal)
+    assert os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 130
+    [end] = Trace(out).of(RunEnd)
     assert end.status == "interrupted"
 
 

@@ -1,6 +1,7 @@
 """Where two traces part: nothing is overlooked, and what may differ is data."""
 
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -10,8 +11,9 @@ import pytest
 from recordings import recorded, rewritten, unchanged
 
 from skolem.tools import cli
+from skolem.traces.decided import parting
 from skolem.traces.diff import Change, Comparison, Tolerance, by_step, compare, tolerance_for
-from skolem.traces.messages import CLASS_OF, Belief, Message, RunEnd
+from skolem.traces.messages import CLASS_OF, Action, Belief, Message, RunEnd
 from skolem.traces.reader import Recorded, Trace
 
 EXACT = Tolerance()
@@ -50,6 +52,29 @@ def test_another_length_is_named() -> None:
     for expected, got in (([said("/plan")], []), ([], [said("/plan")])):
         [first] = compared(expected, got).divergences
         assert (first.kind, first.topic) == ("length", "/plan")
+
+
+def counts(expected: list[Recorded], got: list[Recorded]) -> str:
+    return compared(expected, got).in_words()
+
+
+def test_missing_and_moved_messages_are_counted_as_what_they_are() -> None:
+    a, b, c = said("/plan"), said("/action"), said("/obs")
+    assert counts([a, b, c], [a, b, c]) == "3 messages: IDENTICAL"
+    assert counts([a, b, c], [b, a, c]) == "3 messages: 1 in another order"
+    assert counts([a, b, c], [c, a, b]) == "3 messages: 1 in another order"
+    assert counts([a, b, c], [a, c]) == "3 messages: 1 missing"
+    assert counts([a], [a, *[b] * 5]) == "6 messages: 5 too many"
+    assert counts([a, b], [c, said("/plan", x=1)]) == "3 messages: 1 differ, 1 missing, 1 too many"
+
+
+def test_never_more_messages_differ_than_are_compared() -> None:
+    one = [said("/obs", x=1.0), said("/plan")]
+    other = [said("/obs", x=2.0), *[said("/geometry")] * 9]
+    found = compared(one, other)
+    assert (found.compared.total(), found.differing.total()) == (11, 11)
+    assert found.missing == {"/plan": 1}
+    assert found.surplus == {"/geometry": 9}
 
 
 def test_another_time_is_a_difference() -> None:
@@ -165,6 +190,40 @@ def test_a_topic_that_neither_trace_has_is_refused_with_those_there_are(
     out, err = capsys.readouterr()
     assert out == ""
     assert err.startswith("--topic: neither trace has messages of /tf; there are: /action, /action/result, /belief, ")
+
+
+def test_of_two_seeds_the_verb_tells_where_the_robot_does_something_else(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    traces = [str(recorded("sim1_green", seed)) for seed in (0, 1)]
+    monkeypatch.setattr(sys, "argv", ["skolem", "diff", *traces])
+    assert cli.main() == 1
+    out = capsys.readouterr().out
+    assert "DIVERGED before the first decision, /run/start: value\n  .seed: expected 0, got 1" in out
+    [line] = re.findall(r"^the decisions part at step (\d+), /action.op: expected .*, got .*$", out, re.MULTILINE)
+    first, second = ([action.op for action in Trace(Path(trace)).of(Action)] for trace in traces)
+    step = int(line)
+    assert first[:step] == second[:step]
+    assert first[step] != second[step]
+    monkeypatch.setattr(sys, "argv", ["skolem", "diff", *traces, "--json"])
+    assert cli.main() == 1
+    part = json.loads(capsys.readouterr().out)["decisions_part"]
+    assert (part["step"], part["topic"], part["changes"][0]["path"]) == (step, "/action", ".op")
+
+
+def decided(op: str, pan: float, plan: list[str], cost: int) -> list[Recorded]:
+    return [said("/decision", plan=plan, cost=cost), said("/action", tick=cost, op=op, args=[], command={"pan": pan})]
+
+
+def test_decisions_part_in_what_is_done_not_in_numbers() -> None:
+    one = decided("LookAt(a)", 0.1, ["LookAt(a)", "Pick(a)"], 5)
+    assert parting([one], [decided("LookAt(a)", 0.2, ["LookAt(a)", "Pick(a)"], 6)]) is None
+    other_plan = parting([[], one], [[], decided("LookAt(a)", 0.1, ["LookAt(a)", "Pick(b)"], 5)])
+    assert other_plan is not None
+    assert (other_plan.step, other_plan.topic, other_plan.changes[0].path) == (0, "/decision", ".plan[1]")
+    other_act = parting([one], [decided("Pick(a)", 0.1, ["Pick(a)"], 5)])
+    assert other_act is not None
+    assert (other_act.topic, other_act.changes) == ("/action", (Change(".op", "LookAt(a)", "Pick(a)"),))
 
 
 def test_what_a_trace_says_has_no_say_over_the_screen(

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.writer import Writer
 
+from skolem.traces.codec import CONTENT
 from skolem.traces.errors import TraceError
 from skolem.traces.messages import Observation, Perf, RunStart, TrueObject, TrueState, Verdict
 from skolem.traces.reader import Recorded, Trace
@@ -102,7 +103,8 @@ def test_protobuf_messages_are_decoded(trace: Path) -> None:
 
 def test_the_trace_carries_what_the_run_was_made_of(trace: Path) -> None:
     assert Trace(trace).attachments["rules/look.lp"].decode() == "% look, Schlüssel\n"
-    assert Trace(trace).metadata == {"run": {"seed": "7", "schema_version": "1"}, "env": {"python": "3"}}
+    run, env = {"seed": "7", "schema_version": "1"}, {"python": "3"}
+    assert Trace(trace).metadata == {"run": run, "env": env, CONTENT: Trace(trace).hashes.metadata}
     assert next(Trace(trace).of(RunStart)).seed == 7
 
 

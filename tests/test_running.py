@@ -1,6 +1,8 @@
 """A run from the command line: what it leaves, what it says of it, and what it never replaces."""
 
+import errno
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -45,6 +47,39 @@ def test_the_steps_of_a_killed_run_are_not_replaced_by_the_next(
     out, err = capsys.readouterr()
     assert (out, left.read_text()) == ("", "steps")
     assert f"`skolem recover {left} -o FILE`, or remove it" in err
+
+
+def test_a_run_does_not_take_the_place_of_what_is_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    assert run(monkeypatch, tmp_path / "pipe") == 2
+    said = f"{tmp_path / 'pipe'}: is a device, a pipe or a socket; give the name of a file\n"
+    assert capsys.readouterr() == ("", said)
+    assert (tmp_path / "pipe").is_fifo()
+
+
+@pytest.mark.parametrize("json_wanted", [False, True])
+def test_a_full_disk_ends_a_run_with_one_line_and_3(
+    json_wanted: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(writer: Writer) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Writer, "flush", full)  # of the first step
+    trace = tmp_path / "a.mcap"
+    assert run(monkeypatch, trace, *(["--json"] if json_wanted else [])) == 3
+    out, err = capsys.readouterr()
+    left = partial_of(trace)
+    remedy = f"`skolem recover {left} -o FILE` saves what reached it"
+    said = f"{left}: cannot be written to its end: No space left on device; {remedy}"
+    assert err == f"{said}\n"
+    if json_wanted:
+        told = json.loads(out)
+        assert (told["status"], told["reason"], told["trace"]) == ("error", said, None)
+    else:
+        assert out == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mcap.partial"]
 
 
 @pytest.fixture

@@ -1,16 +1,20 @@
+import errno
+import io
 import os
 import platform
 import re
 import signal
+import socket
 import subprocess
 import sys
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import pytest
+from mcap.records import Chunk
 from mcap.writer import Writer
 from recordings import SCENARIOS
 
@@ -18,12 +22,14 @@ from skolem.sim.symbolic import SymbolicWorld
 from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
+from skolem.traces import writer as writer_module
+from skolem.traces.container import Copy, pieces
 from skolem.traces.environment import PACKAGES, environment
-from skolem.traces.errors import InputError, InternalError
+from skolem.traces.errors import InputError, InternalError, UnwrittenError
 from skolem.traces.messages import Action, Chain, Perf, RunEnd, TrueState, Verdict
 from skolem.traces.reader import Trace
 from skolem.traces.recover import recover
-from skolem.traces.writer import TraceWriter
+from skolem.traces.writer import CHUNK_BYTES, TraceWriter, partial_of
 
 SAMPLE_RUN = Path(__file__).parent / "sample_run.py"
 STILL = Verdict(true=False)
@@ -263,6 +269,71 @@ def test_a_path_that_cannot_be_written_is_the_users_mistake(tmp_path: Path) -> N
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write the trace here"), open_writer(tmp_path / "file" / "a.mcap"):
         pytest.fail("the block was entered")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "link to a pipe", "socket"])
+def test_what_is_no_file_is_never_replaced(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with closing(socket.socket(socket.AF_UNIX)) as listening:
+        if kind == "socket":
+            listening.bind(str(path))
+        else:
+            os.mkfifo(tmp_path / "pipe")
+            path.symlink_to(tmp_path / "pipe") if "link" in kind else (tmp_path / "pipe").rename(path)
+        before = sorted(tmp_path.iterdir())
+        for begun in (open_writer(path), nullcontext()):
+            with pytest.raises(InputError, match="is a device, a pipe or a socket; give the name of a file"), begun:
+                Copy(path, CHUNK_BYTES)
+    assert sorted(tmp_path.iterdir()) == before
+    assert not path.is_file()
+
+
+class FullDisk(io.FileIO):
+    """A file that takes so many bytes and no more."""
+
+    def __init__(self, path: Path, room: int) -> None:
+        super().__init__(path, "xb")
+        self._room = room
+
+    def write(self, data: Any) -> int:
+        part = bytes(data)[: self._room]
+        self._room -= len(part)
+        if data and not part:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return super().write(part)
+
+
+def test_a_full_disk_is_one_line_and_what_reached_it_can_be_saved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, record_run: Callable[..., str]
+) -> None:
+    record_run(tmp_path / "whole.mcap", steps=8)
+    whole = list(Trace(tmp_path / "whole.mcap").messages())
+    size = (tmp_path / "whole.mcap").stat().st_size
+    with (tmp_path / "whole.mcap").open("rb") as file:
+        first = next(piece.byte + len(piece.data) for piece in pieces(file) if isinstance(piece.record, Chunk))
+    for room in (first, first + 1000, first + 2000, size // 2, size - 100, size - 1):
+        path = tmp_path / f"{room}.mcap"
+        disk = FullDisk(partial_of(path), room)
+        monkeypatch.setattr(writer_module, "begin", lambda _, disk=disk: io.BufferedWriter(disk))
+        said = f"{partial_of(path)}: cannot be written to its end: No space left on device; `skolem recover "
+        with pytest.raises(UnwrittenError, match=f"^{re.escape(said)}[^\n]* -o FILE` saves what reached it$"):
+            record_run(path, steps=8)
+        assert (disk.closed, path.exists(), partial_of(path).stat().st_size) == (True, False, room)
+        found = recover(partial_of(path), path)
+        assert list(Trace(path).messages()) == whole[: found.messages]
+        assert found.steps >= 1
+
+
+def test_a_disk_that_is_full_from_the_beginning_is_named_and_nothing_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.mcap"
+    disk = io.BufferedWriter(FullDisk(partial_of(path), 10))
+    monkeypatch.setattr(writer_module, "begin", lambda _: disk)
+    with pytest.raises(InputError, match="cannot write the trace here: No space left"):
+        with TraceWriter(path, attachments={"a": bytes(100_000)}, run={}, env={}):
+            pytest.fail("the block was entered")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_missing_folders_are_made(tmp_path: Path) -> None:

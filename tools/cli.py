@@ -7,6 +7,7 @@ import signal
 import sys
 import traceback
 from importlib import import_module
+from types import FrameType
 from typing import Annotated, Any
 
 import typer
@@ -17,7 +18,10 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
         "skolem.tools.check",
         "Check that traces are whole and unchanged; name the first fault of each, with its place and what to do.",
     ),
-    "diff": ("skolem.tools.diff", "Print where two runs part first, and how often each field differs."),
+    "diff": (
+        "skolem.tools.diff",
+        "Print where two runs part first, how often each field differs, and where the robot decides otherwise.",
+    ),
     "info": ("skolem.tools.info", "Print what a run was made of, how it went, and what takes the room in its trace."),
     "recover": (
         "skolem.tools.recover",
@@ -115,7 +119,8 @@ def skolem(
 ) -> None:
     """Achieve goals about objects that are only described.
 
-    Exit status: 0 done, 1 goal not achieved, 2 bad input, 3 unsound trace, 4 internal error, 130 interrupted.
+    Exit status: 0 done, 1 goal not achieved, 2 bad input, 3 a trace cannot be read or
+    written to its end, or is unsound, 4 internal error, 130 interrupted.
     """
 
 
@@ -125,6 +130,7 @@ def main() -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads are slower on small matrices, and not repeatable
     gc.set_threshold(GARBAGE)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C, the trace is closed
+    _end_with_the_terminal()
     signal.signal(signal.SIGALRM, signal.default_int_handler)  # asked before: see _ask_again
     sys.unraisablehook = _ask_again
     try:
@@ -134,6 +140,20 @@ def main() -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     return status
+
+
+def _end_with_the_terminal() -> None:
+    """Take a terminal that is closed as a request to end, unless that is to be ignored, as under nohup."""
+    if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+        return
+    terminals = [number for number in (1, 2) if os.isatty(number)]
+
+    def hung_up(number: int, frame: FrameType | None) -> None:
+        for gone in (terminal for terminal in terminals if not os.isatty(terminal)):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), gone)  # what is still to be said would fail
+        signal.default_int_handler(number, frame)
+
+    signal.signal(signal.SIGHUP, hung_up)
 
 
 def _ask_again(lost: "sys.UnraisableHookArgs") -> None:

@@ -2,13 +2,15 @@
 
 import json as json_format
 from collections.abc import Collection, Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from skolem.tools.divergences import comparison_fields, divergence_lines
-from skolem.traces.diff import Tolerance, by_step, compare
+from skolem.traces.decided import DECIDED, parting
+from skolem.traces.diff import Divergence, Tolerance, by_step, compare
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import CLASS_OF, PERF
 from skolem.traces.printable import printable
@@ -31,7 +33,7 @@ def diff(
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
 ) -> None:
-    """Print where two runs part first, and how often each field differs.
+    """Print where two runs part first, how often each field differs, and where the robot decides otherwise.
 
     Exit status: 0 they agree, 1 they do not, 2 bad input, 3 a trace cannot be read.
     """
@@ -42,18 +44,28 @@ def diff(
     _refuse_absent(topic or [], one, other)
     tolerance = Tolerance().with_floats(atol or None, rtol or None)
     comparison = compare(_steps(one, topics), _steps(other, topics), tolerance, all_)
+    decided = topics & DECIDED.keys()
+    parted = parting(_steps(one, decided), _steps(other, decided)) if decided and not comparison.identical else None
     attached = sorted(one.attachments.keys() | other.attachments.keys())
     changed = [name for name in attached if one.attachments.get(name) != other.attachments.get(name)]
     if json:
         fields = {"a": str(a), "b": str(b), "identical": comparison.identical, "attachments": changed}
+        fields |= {"decisions_part": None if parted is None else asdict(parted)}
         print(json_format.dumps(fields | comparison_fields(comparison)))
     else:
-        messages = comparison.compared.total()
-        word = "IDENTICAL" if comparison.identical else f"{comparison.differing.total()} differ"
-        lines = [f"{messages} messages: {word}", *divergence_lines(comparison)]
+        lines = [comparison.in_words(), *divergence_lines(comparison)]
+        lines += [] if comparison.identical or not decided else [_decisions(parted)]
         lines += [f"attached files that differ: {', '.join(changed)}"] if changed else []
         print("\n".join(map(printable, lines)))
     raise typer.Exit(0 if comparison.identical else 1)
+
+
+def _decisions(parted: Divergence | None) -> str:
+    """Return in one line where the decisions part."""
+    if parted is None:
+        return "the decisions are the same: plans, actions and end"
+    where = f"at step {parted.step}" if parted.step >= 0 else "before the first"
+    return f"the decisions part {where}, {parted.topic}{parted.changes[0]}"
 
 
 def _refuse_absent(topics: Collection[str], one: Trace, other: Trace) -> None:

@@ -23,6 +23,9 @@ def comparison_fields(comparison: Comparison) -> dict[str, object]:
     return {
         "compared": dict(comparison.compared),
         "differing": dict(comparison.differing),
+        "missing": dict(comparison.missing),
+        "surplus": dict(comparison.surplus),
+        "moved": comparison.moved,
         "tolerated_floats": comparison.tolerated,
         "fields": dict(comparison.by_frequency()),
         "divergences": [asdict(divergence) for divergence in comparison.divergences],

@@ -4,9 +4,11 @@ The picture has the paper's belief table, the plan stack, and how far the run ha
 """
 
 import colorsys
+import errno
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -57,6 +59,16 @@ def observed_text(observation: Observation) -> str:
     return ""
 
 
+@contextmanager
+def terminal_may_go() -> Iterator[None]:
+    """Let the block write to a terminal that somebody has closed: a signal says so, and ends the run in good order."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno != errno.EIO:
+            raise
+
+
 class Lines:
     """One line on standard error per executed action."""
 
@@ -83,7 +95,8 @@ class Lines:
         """Print the action and what came of it."""
         parts = [f"step {action.step:2d}  {action.op} -> {result.status}", observed_text(observation)]
         line = ", ".join(part for part in parts if part)
-        print(line + (f"  [after {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
+        with terminal_may_go():
+            print(line + (f"  [after {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
 
 
 class Silence(Lines):
@@ -123,7 +136,8 @@ class Picture(Lines):
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         self._draw()
-        self._live.stop()
+        with terminal_may_go():
+            self._live.stop()
 
     def believed(self, belief: Belief, tick: int) -> None:
         """Show a belief."""
@@ -148,7 +162,8 @@ class Picture(Lines):
         self._draw()
 
     def _draw(self) -> None:
-        self._live.update(self.picture(), refresh=True)
+        with terminal_may_go():
+            self._live.update(self.picture(), refresh=True)
 
     def picture(self) -> RenderableType:
         """Return the whole picture as it stands."""

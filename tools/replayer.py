@@ -69,9 +69,9 @@ class Replayer:
 
 
 def _headline(replayed: Replayed) -> str:
-    compared, differing = replayed.comparison.compared.total(), replayed.comparison.differing.total()
     word = "IDENTICAL" if replayed.identical else "DIVERGED"
-    messages = f"{compared} messages" if replayed.identical else f"{differing} of {compared} messages"
+    compared = replayed.comparison
+    messages = f"{compared.compared.total()} messages" if replayed.identical else compared.in_words()
     end = "" if replayed.ended or replayed.stopped else ", the record has no end"
     error = f"; {replayed.other_end}" if replayed.other_end else ""
     return f"{word}: {replayed.decisions} decisions, {messages}{end}; {_speed(replayed)}{error}"

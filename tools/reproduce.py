@@ -54,9 +54,8 @@ def reproduce(
         fields = {"trace": str(trace), "identical": comparison.identical, "other_end": other_end}
         print(json_format.dumps(fields | {"machine_differs_in": other} | comparison_fields(comparison)))
     else:
-        word = "IDENTICAL" if comparison.identical else f"{comparison.differing.total()} differ"
         machine = [f"recorded on another machine ({', '.join(other)}): floats compared with tolerance"] if other else []
-        head = f"{trace}: {comparison.compared.total()} messages: {word}{f'; {other_end}' if other_end else ''}"
+        head = f"{trace}: {comparison.in_words()}{f'; {other_end}' if other_end else ''}"
         print("\n".join(map(printable, [head, *machine, *divergence_lines(comparison)])))
     raise typer.Exit(0 if comparison.identical else 1)
 

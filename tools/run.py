@@ -57,7 +57,8 @@ def run(
 ) -> None:
     """Run a scenario and record it as a trace.
 
-    Exit status: 0 the robot believes its goal achieved, 1 it does not, 2 bad input, 4 internal error, 130 interrupted.
+    Exit status: 0 the robot believes its goal achieved, 1 it does not, 2 bad input, 3 the trace
+    cannot be written to its end, 4 internal error, 130 interrupted.
     """
     watch = Stopwatch()
     with watch.part("loading"):

@@ -8,7 +8,7 @@ from typing import IO
 from skolem.tools import session
 from skolem.tools.live import watcher_for
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.errors import InputError, SkolemError
+from skolem.traces.errors import InputError, SkolemError, UnwrittenError
 from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
 from skolem.traces.writer import partial_of
 
@@ -29,10 +29,15 @@ def execute(
     quiet: bool,
     partial: IO[bytes] | None = None,
 ) -> int:
-    """Run, print what came of it, and return the exit status; `partial` as in `session.run`."""
+    """Run, print what came of it, and return the exit status; `partial` as in `session.run`.
+
+    Raises:
+        InputError: If the trace cannot be begun.
+        UnwrittenError: If it cannot be written to its end; with `json` the object is printed all the same.
+    """
     outcome = session.Outcome()
     status: RunStatus = "error"
-    reason = ""
+    reason, unwritten = "", None
     with watcher_for(setup, quiet) as watcher:
         try:
             session.run(setup, trace, watcher, watch, outcome, partial)
@@ -42,6 +47,8 @@ def execute(
             status, reason = "interrupted", "interrupted"
         except InputError:
             raise
+        except UnwrittenError as error:
+            reason, unwritten = str(error), error
         except Exception as error:
             reason = f"{type(error).__name__}: {error}"
             if not isinstance(error, SkolemError):
@@ -49,8 +56,10 @@ def execute(
     if json:
         summary = session.summary(setup, outcome, status, reason, trace)
         print(json_format.dumps({**summary, "trace": summary["trace"] if outcome.content_hash else None}))
-    else:
+    elif unwritten is None:
         print(verdict_text(setup, outcome, status, reason, trace))
+    if unwritten is not None:
+        raise unwritten
     return EXIT[status]
 
 

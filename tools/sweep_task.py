@@ -102,8 +102,9 @@ def done_before(task: Task, folder: Path) -> Row | None:
 
 
 def dask_setup(worker: object) -> None:
-    """Leave Ctrl-C to the process that asks; dask calls this in each process that it starts on this machine."""
+    """Leave Ctrl-C and a closed terminal to the process that asks; dask calls this where it starts a process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
 
 
 def run_on_worker(task: Task) -> Finished:

@@ -6,6 +6,7 @@ a fault may be a consequence of it.
 
 from dataclasses import dataclass
 from functools import cache
+from itertools import zip_longest
 from pathlib import Path
 from typing import Never
 
@@ -15,7 +16,17 @@ from mcap.records import Message as McapMessage
 from mcap.stream_reader import MAGIC_SIZE
 
 from skolem.traces.clock import tick_at, time_ns
-from skolem.traces.codec import ContentHash, HashChain, counter_of, decode, encode, misfit, schema_bytes, schema_name
+from skolem.traces.codec import (
+    CONTENT,
+    ContentHash,
+    HashChain,
+    counter_of,
+    decode,
+    encode,
+    misfit,
+    schema_bytes,
+    schema_name,
+)
 from skolem.traces.container import DamageError, Piece, contents, pieces
 from skolem.traces.errors import TraceError
 from skolem.traces.known_fields import KnownFields
@@ -26,6 +37,8 @@ from skolem.traces.seal import Seal
 
 RECOVER = "`skolem recover {path} -o GOOD.mcap` saves every message that is whole"
 OLDER = "remark: this skolem has other schemas for {topics}; it reads these messages, and the schemas are not compared"
+HASHLESS = "remark: no hash of its content stands in the trace: that the truth is as it was written cannot be told"
+CHANGED = "not as the hash of the content says that it was: a message was changed, dropped or moved"
 AGAIN = "take the file from where it was recorded; nothing can tell what it said there"
 FOREIGN = "this skolem cannot read it; use the version that recorded it (`skolem info` names it)"
 KILLED = "the run was killed; what is recorded can be read, shown and replayed as far as it goes"
@@ -155,7 +168,8 @@ class _Examiner:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What is unusual so far, and no fault."""
-        return (OLDER.format(topics=", ".join(sorted(self._older))),) if self._older else ()
+        older = (OLDER.format(topics=", ".join(sorted(self._older))),) if self._older else ()
+        return older if CONTENT in self._metadata else (*older, HASHLESS)
 
     def take(self, piece: Piece) -> list[Schema | Channel | McapMessage]:
         """Take in the next record of the container; return the records inside, if it is a chunk.
@@ -180,9 +194,9 @@ class _Examiner:
         return []
 
     def _take_file(self, name: str, record: Metadata | Attachment) -> None:
-        """Take in what the run was made of, which stands before its first message, each once."""
+        """Take in what the run was made of, which stands before its first message, and what it came to: each once."""
         known = self._metadata if isinstance(record, Metadata) else self._attached
-        if name in known or self.number:
+        if name in known or (self.number and (known is self._attached or name != CONTENT)):
             self._fail(f"{name} is there twice, or after the first message", AGAIN)
         if isinstance(record, Metadata):
             self._metadata[name] = record.metadata
@@ -244,6 +258,8 @@ class _Examiner:
             self._fail(f"its time {record.log_time} ns is before {self._log_time_ns} ns", AGAIN)
         if record.publish_time != record.log_time or time_ns(tick_at(record.log_time)) != record.log_time:
             self._fail(f"its time {record.log_time} ns is not that of a tick", AGAIN)
+        if self._start is None and topic != "/run/start":
+            self._fail("comes before /run/start", AGAIN)
         if counter == "decision":
             self._check_order(topic, message)
         if isinstance(message, Chain) and message.chain != self._chain.close():
@@ -279,9 +295,8 @@ class _Examiner:
 
     def _check_order(self, topic: str, message: object) -> None:
         """See to it that the run begins with its start and ends with its end."""
-        if (self._start is None) != (topic == "/run/start"):
-            said = "the run starts twice" if self._start else "comes before /run/start"
-            self._fail(said, AGAIN)
+        if self._start is not None and topic == "/run/start":
+            self._fail("the run starts twice", AGAIN)
         if self._ended:
             self._fail("comes after /run/end", AGAIN)
         self._ended = topic == "/run/end"
@@ -296,13 +311,24 @@ class _Examiner:
         """Take notice that the container has ended.
 
         Raises:
-            _UnsoundError: If the run has not.
+            _UnsoundError: If the run has not, or its content is not what the trace says it was.
         """
         self._byte = None
         if self._start is None:
             self._fail("the trace holds no /run/start", FOREIGN)
         if not self._ended:
             raise _UnsoundError(Flaw(f"/run/end is missing after {self.results} steps", KILLED))
+        self._compare_content()
+
+    def _compare_content(self) -> None:
+        """Compare all but wall times, and their order, with the hash that the writer put behind them."""
+        written = self._metadata.get(CONTENT)
+        if written is None or written == self.hashes.metadata:
+            return
+        steps = zip_longest(written.get("steps", "").split(), self.hashes.steps)
+        step = next((number for number, (then, now) in enumerate(steps) if then != now), None)
+        place = "what follows the last step" if step is None else "what was recorded since the step before"
+        raise _UnsoundError(Flaw(f"{place} is {CHANGED}", AGAIN, step=step))
 
     def _fail(self, message: str, remedy: str) -> Never:
         in_message = self._topic is not None

@@ -18,6 +18,8 @@ from skolem.traces.errors import InternalError
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, PERF, PROTOBUF_TOPICS, TRUTH, Message
 
 NO_CHAIN = "0" * 32
+CONTENT = "content"  # metadata at the end of a trace: the hash of what stands before it
+STEP_DIGITS = 16  # of the hash at the end of a step: enough to tell where a change is
 
 
 def encode(topic: str, message: Message | Protobuf) -> bytes:
@@ -89,11 +91,15 @@ class ContentHash:
     """Two running sha256: over everything but PERF, and over the decisions (INPUT and DERIVED) alone.
 
     Independent of compression, chunks and metadata: a new compression library changes a file, not its hash.
+
+    Attributes:
+        steps: The first digits of the content hash as it was at the end of each step, so that a change has a place.
     """
 
     def __init__(self) -> None:
         self._content = hashlib.sha256()
         self._decision = hashlib.sha256()
+        self.steps: list[str] = []
 
     def add(self, topic: str, data: bytes, log_time_ns: int, sequence: int) -> None:
         """Take in the next message in file order."""
@@ -105,6 +111,13 @@ class ContentHash:
         self._content.update(parts)
         if counter == "decision":
             self._decision.update(parts)
+        if topic == "/chain":
+            self.steps.append(self.content[:STEP_DIGITS])
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """What a trace says of its own content once it is complete, as metadata of the name `CONTENT`."""
+        return {"sha256": self.content, "steps": " ".join(self.steps)}
 
     @property
     def content(self) -> str:

@@ -6,6 +6,7 @@ What is read here trusts nothing: lengths are compared with the file, and what h
 import struct
 import zlib
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -20,7 +21,7 @@ from mcap.writer import CompressionType, Writer
 
 from skolem.traces.chunks import DAMAGE, TooLargeError, records_in
 from skolem.traces.errors import Fault, InputError, TraceError
-from skolem.traces.writer import LIBRARY
+from skolem.traces.writer import LIBRARY, refuse_special
 
 HEAD_SIZE = 1 + 8  # of every record: what it is, and its length
 CRC_SIZE = 4
@@ -112,6 +113,9 @@ class Copy:
     """A container being written from the records of others; used as a context manager.
 
     The file is called `NAME.copying` until it is complete; after an exception nothing is left.
+
+    Raises:
+        InputError: Wherever it is written to, if that is not possible.
     """
 
     def __init__(self, path: Path, chunk_bytes: int) -> None:
@@ -120,6 +124,7 @@ class Copy:
         Raises:
             InputError: If the file cannot be created, or is there already.
         """
+        refuse_special(path)
         self.path = path
         self._partial = path.with_name(path.name + ".copying")
         try:
@@ -128,7 +133,7 @@ class Copy:
             said = "exists: another copy is being made, or one was not finished; remove it, or give another name"
             raise InputError([Fault(str(self._partial), 0, 0, said)]) from error
         except OSError as error:
-            raise InputError([Fault(str(path), 0, 0, f"cannot write here: {error.strerror}")]) from error
+            raise self._unwritable(error) from error
         self._mcap = Writer(self._file, compression=CompressionType.ZSTD, chunk_size=chunk_bytes, enable_data_crcs=True)
         self._started = False
         self._schemas: dict[int, int] = {}
@@ -138,7 +143,8 @@ class Copy:
     def start(self, profile: str = "", library: str = LIBRARY) -> None:
         """Begin the file, if it has not begun; records of any kind but a header do so by themselves."""
         if not self._started:
-            self._mcap.start(profile=profile, library=library)
+            with self._on_disk():
+                self._mcap.start(profile=profile, library=library)
             self._started = True
 
     def knows(self, channel: int) -> bool:
@@ -154,6 +160,10 @@ class Copy:
         if isinstance(record, Header):
             self.start(record.profile, record.library)
         self.start()
+        with self._on_disk():
+            self._add(record)
+
+    def _add(self, record: object) -> None:
         match record:
             case Metadata():
                 self._mcap.add_metadata(record.name, record.metadata)
@@ -174,7 +184,8 @@ class Copy:
 
     def end_chunk(self) -> None:
         """Begin a new chunk with the next message."""
-        self._mcap.flush()
+        with self._on_disk():
+            self._mcap.flush()
 
     def __enter__(self) -> Self:
         return self
@@ -182,10 +193,23 @@ class Copy:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        with self._file:
+        try:
             if error is None:
-                self._mcap.finish()
-        if error is None:
-            self._partial.replace(self.path)
-        else:
-            self._partial.unlink()
+                with self._on_disk():
+                    self._mcap.finish()
+                    self._file.close()
+                    self._partial.replace(self.path)
+        finally:
+            with suppress(OSError):  # what is still to be written may have no room
+                self._file.close()
+            self._partial.unlink(missing_ok=True)
+
+    @contextmanager
+    def _on_disk(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise self._unwritable(error) from error
+
+    def _unwritable(self, error: OSError) -> InputError:
+        return InputError([Fault(str(self.path), 0, 0, f"cannot write here: {error.strerror or error}")])

@@ -8,6 +8,7 @@ counts: 0.0 is not -0.0.
 import base64
 import json
 import re
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -122,8 +123,11 @@ class Comparison:
     """Takes in two runs step by step, and keeps what they differ in.
 
     Attributes:
-        compared: Messages, by topic.
-        differing: Those that differ beyond tolerance, by topic.
+        compared: Messages of either run, by topic; one that both have counts once.
+        differing: Those that differ beyond tolerance or are in one run only, by topic.
+        missing: Those of them that only the first run has, by topic.
+        surplus: Those of them that only the second run has, by topic.
+        moved: How many would have to be put elsewhere in their step, so that both runs have the same order.
         tolerated: Floats that differ within tolerance.
         fields: How often each field differs, by topic and path; indices are written `[]`.
         divergences: In order; of all but the first only if they are all wanted.
@@ -134,6 +138,9 @@ class Comparison:
         self._tolerance, self._keep_all = tolerance, keep_all
         self.compared: Counter[str] = Counter()
         self.differing: Counter[str] = Counter()
+        self.missing: Counter[str] = Counter()
+        self.surplus: Counter[str] = Counter()
+        self.moved = 0
         self.tolerated = 0
         self.fields: Counter[str] = Counter()
         self.divergences: list[Divergence] = []
@@ -143,13 +150,26 @@ class Comparison:
         """Whether nothing differs."""
         return not self.divergences
 
+    def in_words(self) -> str:
+        """Return how many messages were compared, and how many of them differ in which way."""
+        missing, surplus = self.missing.total(), self.surplus.total()
+        found = {
+            "differ": self.differing.total() - missing - surplus,
+            "missing": missing,
+            "too many": surplus,
+            "in another order": self.moved,
+        }
+        said = [f"{count} {how}" for how, count in found.items() if count]
+        return f"{self.compared.total()} messages: {', '.join(said) or 'IDENTICAL'}"
+
     def by_frequency(self) -> list[tuple[str, int]]:
         """Return the fields that differ, the most frequent first, those that are as frequent by name."""
         return sorted(self.fields.items(), key=lambda counted: (-counted[1], counted[0]))
 
     def add(self, step: int, expected: Sequence[Recorded], got: Sequence[Recorded]) -> bool:
         """Take in the messages of one step; return whether they agree."""
-        self.compared.update(message.topic for message in expected)
+        one, other = (Counter(message.topic for message in side) for side in (expected, got))
+        self.compared += one | other
         if [(m.topic, m.data, m.tick) for m in expected] == [(m.topic, m.data, m.tick) for m in got]:
             return True
         before = len(self.divergences)
@@ -194,11 +214,13 @@ class Comparison:
     def _count(self, expected: Sequence[Recorded], got: Sequence[Recorded]) -> None:
         """Count the fields that differ, comparing the n-th messages of each topic."""
         tolerated = self.tolerated
+        self.moved += _moved(expected, got)
         for topic in dict.fromkeys(m.topic for m in (*expected, *got)):
             one, other = ([m for m in side if m.topic == topic] for side in (expected, got))
             for a, b in zip_longest(one, other):
                 if a is None or b is None:
                     self.fields[f"{topic} {'missing' if b is None else 'too many'}"] += 1
+                    (self.missing if b is None else self.surplus)[topic] += 1
                     self.differing[topic] += 1
                 elif changes := self._changes(a, b):
                     self.differing[topic] += 1
@@ -244,6 +266,25 @@ def fields_of(message: Recorded) -> Any:
     from google.protobuf.json_format import MessageToDict
 
     return MessageToDict(decode(message.topic, message.data), preserving_proto_field_name=True)
+
+
+def _moved(expected: Sequence[Recorded], got: Sequence[Recorded]) -> int:
+    """Return how many of the messages that both have are not among the most whose order is the same."""
+    places = {numbered: place for place, numbered in enumerate(_numbered(got))}
+    order = [places[numbered] for numbered in _numbered(expected) if numbered in places]
+    ends: list[int] = []  # of the best rising sequences by their length: the longest is what need not be moved
+    for place in order:
+        at = bisect_left(ends, place)
+        ends[at : at + 1] = [place]
+    return len(order) - len(ends)
+
+
+def _numbered(messages: Sequence[Recorded]) -> Iterator[tuple[str, int]]:
+    """Yield the topic of each message and how many of that topic came before."""
+    before: Counter[str] = Counter()
+    for message in messages:
+        yield message.topic, before[message.topic]
+        before[message.topic] += 1
 
 
 def _walk(a: Any, b: Any, path: str) -> Iterator[Change]:

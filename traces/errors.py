@@ -3,6 +3,7 @@
 SkolemError
 ├── InputError        a file, goal, rule or flag given by a person is wrong: every fault at once, exit code 2
 ├── TraceError        a trace cannot be read or is not sound, exit code 3
+│   └── UnwrittenError  one cannot be written to its end: the disk is full
 └── InternalError     the product's own contract was broken (a rule file without exactly one answer set, ...)
 """
 
@@ -65,6 +66,10 @@ class InputError(SkolemError):
 
 class TraceError(SkolemError):
     """A trace cannot be read or is not sound."""
+
+
+class UnwrittenError(TraceError):
+    """A trace cannot be written to its end; the message says where the part lies that could."""
 
 
 class InternalError(SkolemError):

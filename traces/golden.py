@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
-from mcap.records import Channel, Chunk, DataEnd, Schema
+from mcap.records import Channel, Chunk, DataEnd, Metadata, Schema
 from mcap.records import Message as McapMessage
 
-from skolem.traces.codec import counter_of
+from skolem.traces.codec import CONTENT, ContentHash, counter_of
 from skolem.traces.container import Copy, contents, pieces
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import Message
@@ -88,20 +88,25 @@ def golden_path(folder: Path, name: str) -> Path:
 def keep_decisions(source: Path, target: Path) -> None:
     """Copy a trace without the truth and without wall times: the same messages, so the same decision hash.
 
+    The hash of its content is that of what is kept.
+
     Raises:
         TraceError: If `source` cannot be read.
         InputError: If `target` cannot be written.
     """
     with opened(source) as file, Copy(target, ONE_CHUNK_BYTES) as copy:
         schemas: dict[int, Schema] = {}
+        kept = ContentHash()
         for piece in pieces(file):
             if isinstance(piece.record, DataEnd):
                 break
             for record in contents(piece) if isinstance(piece.record, Chunk) else [piece.record]:
-                _copy_decision(record, schemas, copy)
+                _copy_decision(record, schemas, copy, kept)
+        copy.end_chunk()
+        copy.add(Metadata(CONTENT, kept.metadata))
 
 
-def _copy_decision(record: object, schemas: dict[int, Schema], copy: Copy) -> None:
+def _copy_decision(record: object, schemas: dict[int, Schema], copy: Copy, kept: ContentHash) -> None:
     """Copy a record unless it is, or belongs to, a channel without decisions."""
     match record:
         case Schema(id=number):
@@ -113,6 +118,9 @@ def _copy_decision(record: object, schemas: dict[int, Schema], copy: Copy) -> No
         case McapMessage(channel_id=number):
             if copy.knows(number):
                 copy.add(record)
+                kept.add(copy.topic(number), record.data, record.log_time, record.sequence)
+        case Metadata(name=name) if name == CONTENT:
+            pass
         case _:
             copy.add(record)
 

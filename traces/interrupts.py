@@ -6,7 +6,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-HELD: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)  # the last by the command line, for one that was lost
+HELD: Final = (  # the last by the command line, for one that was lost
+    signal.SIGINT,
+    signal.SIGTERM,
+    signal.SIGHUP,
+    signal.SIGALRM,
+)
 
 
 @contextmanager

@@ -44,7 +44,8 @@ def recover(bad: Path, good: Path) -> Recovered:
     """Copy every whole message of `bad`, and schemas, channels, attachments and metadata, to `good` as they were.
 
     A damaged record is left out and those after it are kept. Where its length cannot be believed, the next one is found
-    by the index at the end of the file; a file that was cut off has none, and is saved up to that place.
+    by the index at the end of the file; a file that was cut off has none, and is saved up to that place. The hash of
+    the content, if it is whole, is copied as it was too: by it `check` tells what is missing, and where.
 
     Raises:
         InputError: If `good` cannot be written, or exists: what lies there may be worth more than what is saved.

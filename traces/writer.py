@@ -5,7 +5,8 @@ the topic table, and nothing in the file knows the time of day or the name of th
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
@@ -14,8 +15,8 @@ from google.protobuf.message import Message as Protobuf
 from mcap.writer import CompressionType, Writer
 
 from skolem.traces.clock import time_ns
-from skolem.traces.codec import ContentHash, HashChain, counter_of, encode, schema_bytes, schema_name
-from skolem.traces.errors import Fault, InputError, InternalError, told
+from skolem.traces.codec import CONTENT, ContentHash, HashChain, counter_of, encode, schema_bytes, schema_name
+from skolem.traces.errors import Fault, InputError, InternalError, UnwrittenError, told
 from skolem.traces.interrupts import interrupts_held
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunEnd, RunStatus
 
@@ -27,9 +28,9 @@ class TraceWriter:
     """A trace being written; used as a context manager.
 
     The file is called `NAME.partial` until it is complete. Leaving the block, also by an exception or Ctrl-C, adds
-    `/run/end` if it is missing, closes the file and gives it its name. A killed process leaves the partial file:
-    `skolem recover` saves of it everything up to the last closed step or full chunk. One that is there is therefore
-    never replaced: another run writes it, or its steps are worth saving.
+    `/run/end` if it is missing and the hash of the content, closes the file and gives it its name. A killed process or
+    a full disk leaves the partial file: `skolem recover` saves of it everything up to the last closed step or full
+    chunk. One that is there is therefore never replaced: another run writes it, or its steps are worth saving.
 
     Attributes:
         path: Where the trace will lie.
@@ -76,6 +77,7 @@ class TraceWriter:
 
         Raises:
             InternalError: If the topic or type is wrong, time runs backwards, or the run has ended already.
+            UnwrittenError: If the file takes no more; it is closed, and stays as far as it was written.
         """
         if topic == "/perf" and not self._profile:
             return
@@ -85,7 +87,7 @@ class TraceWriter:
             raise InternalError(f"{topic}: tick {tick} comes after tick {self._tick}")
         if self._ended and counter == "decision":
             raise InternalError(f"{topic}: the run has ended")
-        with interrupts_held():
+        with interrupts_held(), self._on_disk():
             self._append(topic, data, tick, counter)
 
     def candidate(self, probability: float, anchor: str | None) -> None:
@@ -111,13 +113,17 @@ class TraceWriter:
         """Create the partial file; an interrupt before the block leaves none.
 
         Raises:
-            InputError: If the file cannot be created, or is there already.
+            InputError: If the file cannot be created, has no room for its beginning, or is there already.
         """
         file = self._begun
         try:
             with interrupts_held():
                 file = self._file = file or begin(self.path)
                 self._start()
+        except OSError as error:
+            assert file is not None, "what cannot be created is an InputError"
+            discard(file, self.path)
+            raise _unwritable(self.path, error) from error
         except BaseException:
             if file is not None:
                 discard(file, self.path)
@@ -127,14 +133,35 @@ class TraceWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
+        if self._file.closed:  # it could not be written
+            return
         with interrupts_held(), self._file:
             if not self._ended:
                 self._cut_short(error)
-            self._mcap.finish()
-            self._file.flush()
-            os.fsync(self._file.fileno())
-            self.partial.replace(self.path)
+            with self._on_disk():
+                self._finish()
             self.written = True
+
+    def _finish(self) -> None:
+        """Write the hash of the content and the index, and give the file its name."""
+        self._mcap.flush()
+        self._mcap.add_metadata(CONTENT, self._hash.metadata)
+        self._mcap.finish()
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        self.partial.replace(self.path)
+
+    @contextmanager
+    def _on_disk(self) -> Iterator[None]:
+        """If the block cannot write, close the file as it is: all that is whole in it can be saved."""
+        try:
+            yield
+        except OSError as error:
+            with suppress(OSError):  # it tries again to write what it could not
+                self._file.close()
+            said = f"cannot be written to its end: {error.strerror or error}"
+            remedy = f"`skolem recover {self.partial} -o FILE` saves what reached it"
+            raise UnwrittenError(f"{self.partial}: {said}; {remedy}") from error
 
     def _start(self) -> None:
         """Write metadata, attachments, schemas and channels."""
@@ -190,8 +217,7 @@ def begin(path: Path) -> IO[bytes]:
     Raises:
         InputError: If it cannot be created or get its name in the end, or is there already.
     """
-    if path.is_dir():
-        raise InputError([Fault(str(path), 0, 0, "is a folder; give the name of a file")])
+    refuse_special(path)
     partial = partial_of(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -201,10 +227,27 @@ def begin(path: Path) -> IO[bytes]:
             said = "exists: another run is writing it, or one was killed; wait for it, save its steps with"
             remedy = f"`skolem recover {partial} -o FILE`, or remove it"
             raise InputError([Fault(str(partial), 0, 0, f"{said} {remedy}")]) from error
-        raise InputError([Fault(str(path), 0, 0, f"cannot write the trace here: {error.strerror}")]) from error
+        raise _unwritable(path, error) from error
+
+
+def refuse_special(path: Path) -> None:
+    """Refuse a place that only a file may get: what is renamed to a device, a pipe or a socket takes its place.
+
+    Raises:
+        InputError: If something is there that is no file.
+    """
+    if os.path.isdir(path):  # of what cannot be looked at it says no, where pathlib raises
+        raise InputError([Fault(str(path), 0, 0, "is a folder; give the name of a file")])
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise InputError([Fault(str(path), 0, 0, "is a device, a pipe or a socket; give the name of a file")])
 
 
 def discard(file: IO[bytes], path: Path) -> None:
-    """Close the partial file of a trace that was not written, and remove it."""
-    with file:
-        partial_of(path).unlink(missing_ok=True)
+    """Remove the partial file of a trace that was not written, and close it."""
+    partial_of(path).unlink(missing_ok=True)
+    with suppress(OSError):  # what is still to be written may have no room
+        file.close()
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError([Fault(str(path), 0, 0, f"cannot write the trace here: {error.strerror or error}")])
