@@ -4,6 +4,7 @@ Everything it does with a belief is written down in the `Turn` it returns: plans
 """
 
 from dataclasses import dataclass, field
+from typing import Final
 
 from skolem.reasoner.attempts import Attempts
 from skolem.reasoner.denotation import Denotations
@@ -15,7 +16,7 @@ from skolem.reasoner.memory import recalled, remembered
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.terms import Compound, Term, nll
+from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, parse_term
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import (
     Action,
@@ -29,6 +30,10 @@ from skolem.traces.messages import (
     RunEnd,
     RunStatus,
 )
+
+IMPOSSIBLE: Final = "found impossible in the believed world"  # what is said of a step that is refused
+UNLIKELY: Final = "too unlikely in detail"
+NOT_FOUND: Final = "not found in detail within the limit"
 
 
 @dataclass(slots=True)
@@ -69,9 +74,9 @@ class Agent:
         self._stack = PlanStack()
         self.denotations = Denotations(goal.expressions, rulebook)
         self._mutexes = read_mutexes(rulebook)
-        self._refused: dict[tuple[Term, int], Term] = {}  # (step, level) -> what it is called
-        self._stopped = False  # whether the last search ended at its limit
-        self._in_vain: set[object] = set()  # searches without a plan in this belief: with more refusals they have none
+        self._refused: dict[tuple[Term, int], tuple[Term, str]] = {}  # (step, level) -> what it is called, why
+        self._stopped = 0  # expansions of the longest search in this belief that ended at its limit
+        self._in_vain: dict[object, str] = {}  # searches without a plan in this belief, and why: more refusals add none
         self._objections: dict[Term, str] = {}  # step -> why the robot cannot do such a thing
         self._attempts = Attempts(limits)
         self._executed: Step | None = None
@@ -106,6 +111,7 @@ class Agent:
             executed=None if self._executed is None else remembered(self._executed),
             failures=self._attempts.failures(),
             in_vain=self._attempts.in_vain(),
+            objections={str(impossible): why for impossible, why in sorted(self._objections.items(), key=str)},
         )
 
     def recall(self, memory: Memory) -> None:
@@ -113,6 +119,7 @@ class Agent:
         self._stack = PlanStack([[recalled(step) for step in layer] for layer in memory.layers], memory.current)
         self._executed = None if memory.executed is None else recalled(memory.executed)
         self._attempts.recall(memory.failures, memory.in_vain)
+        self._objections = {parse_term(impossible): why for impossible, why in memory.objections.items()}
         self._begin_anew()
 
     def _begin_anew(self) -> None:
@@ -120,6 +127,8 @@ class Agent:
         self._version, self.posed = self._belief.version, self._pose()
         self._refused.clear()
         self._in_vain.clear()
+        self._stopped = 0
+        self._mutexes.forget()
 
     def _pose(self) -> PosedGoal:
         parts = (self._goal, self._rulebook, self.denotations, self._belief, self._geometry, self._mutexes)
@@ -151,11 +160,12 @@ class Agent:
 
     def _refine(self, turn: Turn, step: int, current: Step) -> None:
         """Plan for the chosen step's subgoal one level deeper: with the same operation if that can be, else anyhow."""
+        why = IMPOSSIBLE
         for final in (current.instance.called, None):
             if self._stack.current() is current and len(self._stack) < self._limits.hierarchy_depth:
-                self._plan(turn, step, (current.subgoal,), "refine", final)
+                why = self._plan(turn, step, (current.subgoal,), "refine", final)
         if self._stack.current() is current:
-            self._refuse(turn, step, current)
+            self._refuse(turn, step, current, why)
 
     def _drop_what_no_longer_applies(self, turn: Turn, step: int) -> None:
         def false_in(fluents: Subgoal) -> list[Term]:
@@ -164,14 +174,15 @@ class Agent:
         while changes := self._stack.select(self.posed.satisfied, false_in, self._is_refused):
             turn.plans.extend(self._stack.message(step, change) for change in changes)
             for useless in (each for change in changes for each in change.useless):
-                self._refused[useless.instance.step, useless.level] = useless.instance.called
+                self._refused[useless.instance.step, useless.level] = useless.instance.called, IMPOSSIBLE
 
     def _plan(
         self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: PlanCause, final: Term | None = None
-    ) -> None:
+    ) -> str:
+        """Push the cheapest plan; or return why there is none."""
         search = (roots, final, self._stack.refined())
         if search in self._in_vain:
-            return
+            return self._in_vain[search]
         calls, atoms = self.posed.offers.calls, self.posed.offers.ground_atoms
         found = regress(
             roots,
@@ -185,12 +196,14 @@ class Agent:
         )
         calls, atoms = self.posed.offers.calls - calls, self.posed.offers.ground_atoms - atoms
         turn.decisions.append(self._decision(step, roots, found, calls, atoms))
-        self._stopped = not found.exhausted
+        if not found.exhausted:
+            self._stopped = max(self._stopped, found.expansions)
         if found.steps:
             self._stack.push(found.steps)
             turn.plans.append(self._stack.message(step, Change(cause)))
-        else:
-            self._in_vain.add(search)
+            return ""
+        self._in_vain[search] = _why_none(found)
+        return self._in_vain[search]
 
     def _decision(self, step: int, roots: tuple[Subgoal, ...], found: Found, calls: int, atoms: int) -> Decision:
         return Decision(
@@ -199,16 +212,16 @@ class Agent:
             subgoal=tuple(sorted(map(str, self._goal.fluents if len(roots) != 1 else roots[0]))),
             candidates=found.candidates,
             plan=tuple(title(s.instance.called) for s in found.steps or ()),
-            cost=min(found.cost, 50_000_000),
+            cost=min(found.cost, CAP_MICRONATS),
             within=None if found.within is None else round(found.within, 6),
             expansions=found.expansions,
             clingo_calls=calls,
             ground_atoms=atoms,
         )
 
-    def _refuse(self, turn: Turn, step: int, current: Step, *lacking: Term) -> None:
+    def _refuse(self, turn: Turn, step: int, current: Step, why: str, *lacking: Term) -> None:
         """Note that a step cannot be refined or executed in this belief, and plan from the top without it."""
-        self._refused[current.instance.step, current.level] = current.instance.called
+        self._refused[current.instance.step, current.level] = current.instance.called, why
         self._stack.clear()
         turn.plans.append(self._stack.message(step, Change("refused", (current.instance.called, *lacking))))
 
@@ -217,11 +230,11 @@ class Agent:
         if executes is not None and (objection := self.posed.situation.objection(executes)) is not None:
             lacking, self._objections[current.instance.step] = objection
             self._attempts.give_up(current.instance.step)
-            self._refuse(turn, step, current, lacking)
+            self._refuse(turn, step, current, IMPOSSIBLE, lacking)
             return
         command = None if executes is None else self._command(executes)
         if command is None or self._attempts.is_hopeless(current.instance.step):
-            self._refuse(turn, step, current)
+            self._refuse(turn, step, current, IMPOSSIBLE)
         else:
             self._executed = current
             turn.action = Action(
@@ -244,6 +257,7 @@ class Agent:
             self._executed = None
             if self._attempts.fruitless_here() != before:
                 self._begin_anew()
+                self._stack.clear()  # it may have been for what is known by now, or for less than it takes now
 
     def _command(self, executes: Term) -> Command | None:
         if isinstance(executes, Compound) and executes.name == "move":
@@ -255,18 +269,17 @@ class Agent:
     # ------------------------------------------------------------ ends
 
     def _give_up(self, turn: Turn, step: int) -> None:
-        last = turn.decisions[-1]
         floor = self._limits.min_plan_probability
         reason = f"no plan with a probability of at least {floor:g} reaches the goal"
-        if self._refused:
-            names = ", ".join(sorted({title(name) for name in self._refused.values()}))
-            reason += f"; found impossible in the believed world: {names}"
+        for why in (IMPOSSIBLE, UNLIKELY, NOT_FOUND):
+            names = sorted({title(name) for name, told in self._refused.values() if told == why})
+            reason += f"; {why}: {', '.join(names)}" if names else ""
         reason += "".join(f"; {why}" for _, why in sorted(self._objections.items(), key=str))
         often = [str(step) for step in self._attempts.hopeless() if step not in self._objections]
         if often:
             reason += f"; without success {self._limits.repeats} times: {', '.join(sorted(often))}"
         if self._stopped:
-            reason += f"; stopped after {last.expansions} expansions (limits.expansions)"
+            reason += f"; stopped after {self._stopped} expansions (limits.expansions)"
         self._finish(turn, step, "goal_unachievable", reason)
 
     def _finish(self, turn: Turn, step: int, status: RunStatus, reason: str) -> None:
@@ -285,11 +298,19 @@ class Agent:
 
 
 def _objects(command: Term | None) -> tuple[str, ...]:
-    """Return the anchors a command is about, hands left out."""
+    """Return the anchors that a command is about: an object, and where it is put."""
     if not isinstance(command, Compound):
         raise InternalError(
             f"an operator executes {command}; expected move(..), look(..), pick(..), place(..), weigh(..)"
         )
     if command.name == "move":
         return _objects(command.args[0])
-    return tuple(str(a) for a in (command.args[1:] if command.name == "pick" else command.args))
+    about = command.args[1:] if command.name == "pick" else command.args[:2]  # no hand, and not what is to be clear
+    return tuple(map(str, about))
+
+
+def _why_none(found: Found) -> str:
+    """Return in words why a search found no plan."""
+    if not found.exhausted:
+        return NOT_FOUND
+    return UNLIKELY if found.priced_out else IMPOSSIBLE

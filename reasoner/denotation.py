@@ -49,11 +49,11 @@ class GroundBeliefs(Protocol):
         ...
 
     def prob_on(self, anchor: str, support: str) -> float:
-        """P(the object rests on the top of `support`)."""
+        """P(the object rests on the top of `support`), given that both exist."""
         ...
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """P(the objects are at most so far apart)."""
+        """P(the objects are at most so far apart), given that both exist."""
         ...
 
 

@@ -18,7 +18,7 @@ from skolem.traces.messages import HsvVolume, Quantity, WeightInterval
 
 _UNIT: Final = 1000.0
 _SUREST: Final = 1.0 - 0.5e-6  # above, a probability is 0 micronats, and no bound is wide enough for it
-_MOST_OBSERVATIONS: Final = 8  # beyond this many, a band counts as out of the sensor's reach
+_MOST_OBSERVATIONS: Final = 8  # what takes more counts as out of the sensor's reach
 _TURN: Final = {
     "pose": (None, None, 2 * math.pi),
     "colour": (1.0, None, None),
@@ -67,7 +67,8 @@ def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
     """Return the Sigma needed before ONE observation so that Sigma holds after it; `any` if the sensor alone suffices.
 
     The observation's covariance is bounded by a diagonal one (Gershgorin), then each axis is regressed by
-    v_before = v_after v_sensor / (v_sensor - v_after).
+    v_before = v_after v_sensor / (v_sensor - v_after), rounded down to a thousandth. Where nothing is left of the step,
+    it is a whole thousandth if a few observations get that far: else no number of them would seem to lead anywhere.
     """
     if not isinstance(sigma, Compound):
         return ANY
@@ -76,9 +77,14 @@ def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
     for axis, sd in axes:
         sensor = sum(abs(rows[axis][other]) for other, _ in axes)
         after = sd**2
-        needed[axis] = ANY if sensor <= after else math.floor(_UNIT * math.sqrt(after * sensor / (sensor - after)))
-    before = tuple(needed.get(axis, ANY) for axis in range(len(sigma.args)))
-    return ANY if all(b == ANY for b in before) else Compound(sigma.name, before)
+        if sensor <= after:
+            needed[axis] = ANY
+        else:
+            before, more = math.floor(_UNIT * math.sqrt(after * sensor / (sensor - after))), round(_UNIT * sd) + 1
+            few = 1 / (more / _UNIT) ** 2 + _MOST_OBSERVATIONS / sensor >= 1 / after
+            needed[axis] = max(before, more) if few else before
+    bounds = tuple(needed.get(axis, ANY) for axis in range(len(sigma.args)))
+    return ANY if all(bound == ANY for bound in bounds) else Compound(sigma.name, bounds)
 
 
 def band(

@@ -12,7 +12,7 @@ from skolem.reasoner.patterns import Mutexes, mentions
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.regression import Subgoal
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook import ABOUT_DESCRIPTIONS, Rulebook
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import Compound, Term, compound, substitute
 
@@ -150,8 +150,12 @@ class PosedGoal:
 
 
 def read_mutexes(rulebook: Rulebook) -> Mutexes:
-    """Return the exclusions that the rules state."""
-    return Mutexes((f, g) for f, g in rulebook.solve([], None, ["mutex"]).atoms.get("mutex", []))
+    """Return the exclusions that the rules state, in whichever file; those of other files may follow from anything."""
+    stating = rulebook.stating(("mutex", 2))
+    files = (
+        stating if stating == ("mutex",) else [n for f, _ in rulebook.sources if (n := f.name) != ABOUT_DESCRIPTIONS]
+    )
+    return Mutexes((f, g) for f, g in rulebook.solve([], None, files).atoms.get("mutex", []))
 
 
 def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from skolem.reasoner.instances import Instance, title
 from skolem.reasoner.regression import Step, Subgoal
-from skolem.reasoner.terms import Term, substitute
+from skolem.reasoner.terms import CAP_MICRONATS, Term, substitute
 from skolem.traces.messages import Plan, PlanCause, PlanStep
 
 Binding = Mapping[Term, Term]
@@ -202,7 +202,7 @@ def plan_step(step: Step) -> PlanStep:
         level=step.level,
         concrete=step.instance.concrete,
         primitive=step.instance.executes is not None,
-        cost=min(step.instance.price, 50_000_000),
+        cost=min(step.instance.price, CAP_MICRONATS),
         subgoal=tuple(sorted(map(str, step.subgoal))),
         preimage=tuple(sorted(map(str, step.preimage))),
     )

@@ -7,6 +7,7 @@ arises, with its reason: `% allow CODE: why` in the comment above the rule.
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Final
 
 from clingo.ast import ASTType
@@ -14,6 +15,7 @@ from clingo.ast import ASTType
 from skolem.reasoner.examination import Doubt, Examined
 from skolem.reasoner.fluent_kinds import COMMANDS, FLUENTS, pattern, shape, sorted_pattern
 from skolem.reasoner.parts import Signature
+from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import ANY, Compound, Term
@@ -38,6 +40,7 @@ _TURNS_ON: Final[dict[str, frozenset[Signature]]] = {  # predicates of which a r
     "level_gap": frozenset({("precond", 3)}),
     "unobservable": frozenset({("result", 2), ("executes", 2), ("measures", 2)}) | OUTPUT,
 }
+NO_SUCH_CODE: Final = "no_such_code"  # of an allowance that allows nothing; never allowed itself
 _ALLOW: Final = re.compile(r"%\s*allow (?P<code>\w+): (?P<reason>\S.*)")
 
 
@@ -47,7 +50,7 @@ class Finding:
 
     Attributes:
         fault: Where and what.
-        code: One of `CODES`, or `wrong_rules.NOT_A_FLUENT`.
+        code: One of `CODES`, `NO_SUCH_CODE` or `wrong_rules.NOT_A_FLUENT`.
         allowed: The reason given in the file for which it stands; empty if none is.
     """
 
@@ -70,7 +73,19 @@ def findings(rules: Rulebook | Examined) -> list[Finding]:
     doubtful += _unobservable(shapes, files, rules.vocabulary, doubt.words)
     sure = [finding for finding in doubtful if not doubt.about(_TURNS_ON[finding[1]])]
     found = refused + [finding for finding in sure if finding[0] not in sources]
-    return sorted({Finding(source.fault(message), code, _allowance(source, code)) for source, code, message in found})
+    about_rules = {Finding(source.fault(message), code, _allowance(source, code)) for source, code, message in found}
+    return sorted(about_rules.union(*(_misspelt(file) for file, _ in files)))
+
+
+def _misspelt(file: RuleFile) -> Iterator[Finding]:
+    """Yield the allowances of a file that are of nothing there is."""
+    for number, line in enumerate(file.content.decode().splitlines(), 1):
+        match = _ALLOW.match(line)
+        if match and match["code"] not in CODES:
+            near = get_close_matches(match["code"], CODES, 1)
+            meant = f"did you mean {near[0]}?" if near else f"there are: {', '.join(CODES)}"
+            message = f"{match['code']!r} is nothing that can be allowed; {meant}"
+            yield Finding(file.fault(number, match.start("code") + 1, message), NO_SUCH_CODE)
 
 
 def _allowance(source: Source, code: str) -> str:

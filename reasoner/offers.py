@@ -1,17 +1,14 @@
 """What the rules offer in one belief: each fluent is asked about once, several of them in one clingo call."""
 
 from collections.abc import Iterable, Mapping
-from typing import Final
 
 from skolem.reasoner.asking import Asked
 from skolem.reasoner.instances import Instance, read_instances
 from skolem.reasoner.patterns import Mutexes
 from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Answers, Rulebook
+from skolem.reasoner.rulebook import COMPILED, Answers, Rulebook
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import Term, compound
-
-_OF_NO_USE: Final = ("denote.lp", "mutex.lp")  # compiled once, before: left out of every question
 
 
 class RuleOffers:
@@ -28,7 +25,7 @@ class RuleOffers:
         self._asked = Asked(queries)
         self.mutexes = mutexes
         self._memo: dict[Term, tuple[Instance, ...]] = {}
-        self._files = [name.removesuffix(".lp") for name in rulebook.files if name not in _OF_NO_USE]
+        self._files = [name for file in rulebook.files if (name := file.removesuffix(".lp")) not in COMPILED]
         self.calls = 0
         self.ground_atoms = 0
 

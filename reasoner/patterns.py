@@ -41,7 +41,7 @@ def within(bound: Term, limit: Term) -> bool:
 
 
 class Mutexes:
-    """The exclusions of `mutex.lp`, asked for pairs of ground fluents."""
+    """The exclusions that the rules state, asked for pairs of ground fluents."""
 
     def __init__(self, pairs: Iterable[tuple[Term, Term]]) -> None:
         self._pairs: dict[tuple[str, str], list[tuple[Term, Term]]] = {}  # by the names of their fluents
@@ -55,6 +55,10 @@ class Mutexes:
         if key not in self._memo:
             self._memo[key] = self._one_way(fluent, other) or self._one_way(other, fluent)
         return self._memo[key]
+
+    def forget(self) -> None:
+        """Forget the pairs that were asked for: fluents have numbers in them, which another belief changes."""
+        self._memo.clear()
 
     def _one_way(self, fluent: Term, other: Term) -> bool:
         names = product((_name(fluent), ANY), (_name(other), ANY))

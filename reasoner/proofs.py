@@ -12,14 +12,13 @@ import clingo
 from clingo import ast
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook import COMPILED, Rulebook
 from skolem.reasoner.terms import Compound, Term, from_symbol, to_symbol
 from skolem.reasoner.validate import INPUT
 from skolem.traces.errors import InternalError, SkolemError
 
 _NOTE: Final = "why__"
 _ASKED: Final = "asked__"
-_LEFT_OUT: Final = ("denote", "mutex")  # not about steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +58,7 @@ class Derivation:
         control = clingo.Control(["--warn=none"], logger=lambda _code, text: messages.append(text))
         with ast.ProgramBuilder(control) as builder:
             for number, (file, statements) in enumerate(rulebook.sources):
-                if file.name not in _LEFT_OUT:
+                if file.name not in COMPILED:
                     for statement in statements:
                         if statement.ast_type is not ASTType.ShowSignature:
                             builder.add(statement)

@@ -14,7 +14,7 @@ from skolem.reasoner.situation import Situation, hand_named, quantity_named
 from skolem.reasoner.terms import Compound, Term, nll, prob
 from skolem.traces.messages import TypeIs
 
-_IMPLAUSIBLE: Final = 6_907_755  # micro-nats, p = .001: anchors less likely than this are not worth an examination
+IMPLAUSIBLE: Final = 0.001  # P of being meant, or of holding what is: what is less likely is not worth a look
 _REPEATED: Final = 0.5
 
 Alternatives = Mapping[str, tuple[tuple[str, ...], ...]]  # expression -> sets of properties, each enough for it
@@ -39,7 +39,7 @@ class Queries:
     def plausible(self, expression: str) -> list[Term]:
         """The anchors that the description may denote, likeliest first."""
         priced = [(nll(self._den(expression, a)), i, a) for i, a in enumerate(self._now.anchors())]
-        return [a for cost, _, a in sorted(priced) if cost <= _IMPLAUSIBLE]
+        return [a for cost, _, a in sorted(priced) if cost <= nll(IMPLAUSIBLE)]
 
     def present(self, expression: str, anchor: str) -> Term:
         """-ln P_p: how likely the description denotes the anchor now."""
@@ -50,7 +50,7 @@ class Queries:
         found: list[Term] = []
         for region in self._now.belief.regions():
             cost = nll(self._now.probability(Compound("exists_in", (expression, region))))
-            if cost <= _IMPLAUSIBLE and nll(self._now.belief.prob_contents(region)) > p:
+            if cost <= nll(IMPLAUSIBLE) and nll(self._now.belief.prob_contents(region)) > p:
                 found.append(Compound("", (region, cost)))
         return found
 
@@ -79,6 +79,10 @@ class Queries:
         """The properties of the set that `props` comes from which are believed enough now, if there are any."""
         rest = tuple(word for word in self._set_of(expression, props) if word not in props.args)
         return [Compound("", rest)] if rest else []
+
+    def together(self, props: Compound, anchor: str) -> Term:
+        """-ln P(the anchor has each of the properties)."""
+        return nll(self._now.probability(Compound("holds", (props, anchor))))
 
     def doubt(self, anchor: str) -> Term:
         """-ln P(there is such an object)."""

@@ -17,10 +17,9 @@ from typing import Protocol
 
 from skolem.reasoner.instances import Instance, title
 from skolem.reasoner.patterns import Mutexes, entails
-from skolem.reasoner.terms import Term, matches
+from skolem.reasoner.terms import CAP_MICRONATS, Term, matches
 from skolem.traces.messages import Candidate
 
-_HOPELESS = 18_420_681  # micro-nats: p = 1e-8
 _PER_ROOT = 10  # expansions that each root may take at least: of many objects none is left out for lack of them
 
 Subgoal = frozenset[Term]
@@ -73,6 +72,7 @@ class Found:
         expansions: Nodes expanded.
         candidates: What was offered or rejected when the roots were expanded.
         exhausted: False if the search stopped at its limit of expansions.
+        priced_out: Whether something was left out for its price: another limit might let a plan be found.
     """
 
     steps: tuple[Step, ...] | None
@@ -81,6 +81,7 @@ class Found:
     candidates: tuple[Candidate, ...]
     exhausted: bool = True
     bound: int = 0
+    priced_out: bool = False
 
     @property
     def within(self) -> float | None:
@@ -148,6 +149,7 @@ def search(
     step and all after it. If that node was still in the queue, all after it cost at least as much as the plan found.
     """
     serial = itertools.count()
+    priced_out = False
     left_out = max_cost + 1  # the least cost at which a step that achieves again what holds was passed over
     queue: list[_Entry] = [(0, 0, 0, next(serial), root, ()) for root in roots]
     considered: dict[str, Candidate] = {}
@@ -177,14 +179,16 @@ def search(
                 left_out = total if reason is None else left_out
                 continue
             if reason is None and total > max_cost:
-                reason = "too_unlikely"
+                reason, priced_out = "too_unlikely", True
             if length == 0:
                 name = title(instance.called)
-                considered.setdefault(name, Candidate(op=name, cost=min(instance.price, 50_000_000), rejected=reason))
+                considered.setdefault(
+                    name, Candidate(op=name, cost=min(instance.price, CAP_MICRONATS), rejected=reason)
+                )
             if reason is None:
                 step = Step(instance, level, goal, before)
                 heapq.heappush(queue, (total, risk + cost, length + 1, next(serial), before, (step, *steps)))
-    return Found(None, 0, len(seen), _sorted(considered))
+    return Found(None, 0, len(seen), _sorted(considered), priced_out=priced_out)
 
 
 def _sorted(considered: dict[str, Candidate]) -> tuple[Candidate, ...]:
@@ -218,8 +222,6 @@ def _regressed(instance: Instance, level: int, goal: Subgoal, mutexes: Mutexes) 
         return goal, instance.rejected[0]
     if level > 0 and instance.on_placeholder:
         return goal, "acts_on_placeholder"
-    if instance.price > _HOPELESS:
-        return goal, "hopeless"
     rest = [f for f in sorted(goal, key=str) if not any(entails(r, f) for r in instance.results)]
     if len(rest) == len(goal):
         return goal, "achieves_nothing"

@@ -1,8 +1,21 @@
-"""Relations in a goal that nothing can tell: those that compare take an object and a number, the others objects."""
+"""What is wrong with a goal that can be read: relations of things that nothing can tell, bounds out of any reach."""
 
 from collections.abc import Iterator
 
-from skolem.reasoner.expressions import SPATIAL, And, Atom, Believed, Exists, Expression, Goal, Number, Or, word_of
+from skolem.reasoner.expressions import (
+    SPATIAL,
+    And,
+    Atom,
+    Believed,
+    Den,
+    Estimated,
+    Exists,
+    Expression,
+    Goal,
+    Number,
+    Or,
+    word_of,
+)
 from skolem.reasoner.vocabulary import Vocabulary
 
 
@@ -18,6 +31,23 @@ def misused(goal: Goal, vocabulary: Vocabulary) -> list[str]:
     for description in goal.expressions.values():
         faults += [_wrong(atom, atom.word in comparing) for atom in _atoms(description.body)]
     return [fault for fault in faults if fault]
+
+
+def too_sure(goal: Goal, most: float) -> list[str]:
+    """Return which bounds are out of reach, whatever is found out.
+
+    Args:
+        goal: Is well formed.
+        most: How sure one ever is that an object exists.
+    """
+    needing = [
+        each
+        for each in goal.conjuncts
+        if isinstance(each, Estimated)
+        or (isinstance(each, Believed) and (isinstance(each.phi, Den) or getattr(each.phi, "word", "") in SPATIAL))
+    ]
+    why = f"no object is ever believed to exist with more than {most:g}, so neither is this; ask for at most {most:g}"
+    return [f"{each}: {why}" for each in needing if each.p > most]
 
 
 def _atoms(expression: Expression) -> Iterator[Atom]:

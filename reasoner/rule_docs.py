@@ -16,6 +16,7 @@ from skolem.reasoner.rule_shapes import Shapes, Source, meet, shapes_of
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import Compound, Term, prob
 from skolem.reasoner.vocabulary import WORD_FACTS, Vocabulary
+from skolem.reasoner.wrong_rules import files_about_steps
 from skolem.traces.messages import HsvVolume, TypeIs, WeightInterval
 
 PARTS: Final = ("result", "precond", "cost", "destroys", "rejected", "executes", "immediate")
@@ -125,7 +126,7 @@ def reference(rulebook: Rulebook) -> str:
 
 
 def _files(rulebook: Rulebook) -> list[FileDoc]:
-    shapes = shapes_of([(file, found) for file, found in rulebook.sources if file.name != "denote"])
+    shapes = shapes_of(files_about_steps(rulebook))
     return [_file(file, statements, shapes) for file, statements in rulebook.sources]
 
 
@@ -247,7 +248,7 @@ def _signature(name: str, statements: Iterable[AST]) -> str:
 
 
 def _fluents(rulebook: Rulebook) -> list[tuple[str, str, str, str]]:
-    shapes = shapes_of([(file, found) for file, found in rulebook.sources if file.name != "denote"])
+    shapes = shapes_of(files_about_steps(rulebook))
     rows = []
     for text, (means, by_goal) in FLUENTS.items():
         by = {

@@ -13,7 +13,7 @@ from clingo.ast import AST
 
 from skolem.reasoner.asking import Asked
 from skolem.reasoner.examination import examine
-from skolem.reasoner.parts import Statement
+from skolem.reasoner.parts import Atom, Signature, Statement
 from skolem.reasoner.questions import Question, Questions
 from skolem.reasoner.rule_files import RuleFile, explain
 from skolem.reasoner.terms import Compound, Term
@@ -35,6 +35,8 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "mutex",  # what may not hold together
     "regress",  # what one regression step hands over
 )
+ABOUT_DESCRIPTIONS: Final = "denote"  # the one file that is not about steps
+COMPILED: Final = (ABOUT_DESCRIPTIONS, "mutex")  # asked once, before: left out of the questions of a search
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +121,14 @@ class Rulebook:
     def sources(self) -> tuple[tuple[RuleFile, Sequence[AST]], ...]:
         """Every rule file with the syntax trees of its statements, in the order in which they are loaded."""
         return tuple((file, tuple(s.tree for s in self._statements[file.name])) for file in self._sources)
+
+    def stating(self, predicate: Signature) -> tuple[str, ...]:
+        """Return the names of the files with facts or rules of a predicate, without `.lp`."""
+        return tuple(
+            name
+            for name, statements in self._statements.items()
+            if any(isinstance(s.head, Atom) and predicate in s.head.signatures for s in statements)
+        )
 
     @property
     def sha256(self) -> dict[str, str]:

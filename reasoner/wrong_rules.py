@@ -16,7 +16,7 @@ from skolem.reasoner.instances import title
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rule_shapes import Shapes, Source, constants_of, meet, shapes_of, stated
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook import ABOUT_DESCRIPTIONS, Rulebook
 from skolem.reasoner.situation import QUANTITIES
 from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.reasoner.validate import descend
@@ -25,7 +25,6 @@ from skolem.traces.errors import InputError
 from skolem.traces.messages import HANDS
 
 NOT_A_FLUENT: Final = "not_a_fluent"  # the code of all of it; never allowed
-_ABOUT_DESCRIPTIONS: Final = ("denote",)
 
 Files = Sequence[tuple[RuleFile, Sequence[AST]]]
 Found = Iterator[tuple[Source, str, str]]  # a rule, the code of what is found in it, a message
@@ -46,7 +45,7 @@ def refuse_wrong(rulebook: Rulebook) -> None:
 
 def files_about_steps(rules: Rulebook | Examined) -> Files:
     """Return the rule files but those that are about descriptions, each with its statements."""
-    return [(file, found) for file, found in rules.sources if file.name not in _ABOUT_DESCRIPTIONS]
+    return [(file, found) for file, found in rules.sources if file.name != ABOUT_DESCRIPTIONS]
 
 
 def wrong(shapes: Shapes, files: Files, vocabulary: Vocabulary | None) -> Found:

@@ -51,7 +51,7 @@ def test_the_mean_is_compared_around_the_turn_of_hue_and_heading() -> None:
 
 
 @given(st.floats(0.5, 30.0), st.floats(1.0, 40.0), st.floats(-0.9, 0.9), st.integers(2, 40), st.integers(2, 40))
-def test_one_observation_from_what_was_needed_before_gives_what_was_asked(
+def test_one_observation_from_what_was_needed_before_gives_what_was_asked_to_a_thousandth(
     a_mm: float, b_mm: float, correlation: float, x_mm: int, y_mm: int
 ) -> None:
     sensor = np.array([[a_mm**2, correlation * a_mm * b_mm], [correlation * a_mm * b_mm, b_mm**2]]) * 1e-6
@@ -62,8 +62,14 @@ def test_one_observation_from_what_was_needed_before_gives_what_was_asked(
             if isinstance(sd, int):
                 information[axis, axis] += 1.0 / (sd / 1000.0) ** 2
     after = np.linalg.inv(information)
-    slack = np.diag([(x_mm / 1000) ** 2, (y_mm / 1000) ** 2]) - after
+    slack = np.diag([((x_mm + 1) / 1000) ** 2, ((y_mm + 1) / 1000) ** 2]) - after
     assert np.linalg.eigvalsh(slack)[0] >= -1e-6 * (x_mm * y_mm) * 1e-6
+
+
+@pytest.mark.parametrize(("sensor_sd", "before"), [(0.024, "sd(7)"), (0.1, "sd(6)")])
+def test_small_steps_add_up_unless_very_many_were_needed(sensor_sd: float, before: str) -> None:
+    """An observation that leads from .0062 to .006 is a step, one of very many is none."""
+    assert gaussians.before_observation(parse_term("sd(6)"), np.array([[sensor_sd**2]])) == parse_term(before)
 
 
 @pytest.mark.parametrize("volume", [GREEN, RED])

@@ -7,7 +7,7 @@ import pytest
 from minds import Region, TableBelief, TableGeometry, Thing
 
 from skolem.reasoner.fluent_kinds import ACTIVITIES, FLUENTS
-from skolem.reasoner.linting import CODES, findings
+from skolem.reasoner.linting import CODES, NO_SUCH_CODE, findings
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.situation import Situation
@@ -33,6 +33,15 @@ def test_the_shipped_rules_give_no_reason_to_complain_that_is_not_explained_in_t
     found = findings(Rulebook.load(Queries))
     assert [finding for finding in found if not finding.allowed] == []
     assert {finding.code for finding in found} <= set(CODES)
+
+
+@pytest.mark.parametrize(
+    ("code", "said"), [("without_krdd", "did you mean without_krd?"), ("nonsense", "there are: unreachable, ")]
+)
+def test_an_allowance_of_nothing_is_complained_of(tmp_path: Path, code: str, said: str) -> None:
+    ((line, found, message),) = complaints(tmp_path, f"{PUSH}% allow {code}: it is meant so\n{PUSH}")
+    assert (line, found) == (5, NO_SUCH_CODE)
+    assert said in message
 
 
 def test_rules_that_fit_in_are_not_complained_of(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Goals and scenarios beyond those that ship: pursued, refused with a reason, given up honestly; never an error."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,27 @@ def test_of_alternatives_the_one_that_is_known_to_hold_is_pursued() -> None:
     assert actions <= 10  # a look and a weighing, with the drives; not every thing in the room
 
 
+def test_of_alternatives_one_that_is_refuted_is_left_for_another() -> None:
+    """The red thing on table1 is not green, which a look shows; it is heavy, which a weighing does."""
+    heavy = "exists o. B(Den(lambda x. Green(x) | Heavy(x), o), 0.9) & B(In(o, table1), 0.9)"
+    trace = Trace(recorded("sim1_green", 0, "symbolic", (f"goal={heavy}", "world.3.kg=0.8")))
+    (end,) = trace.of(RunEnd)
+    assert (end.status, end.anchor) == ("goal_achieved", "sodaE")
+    assert len(list(trace.of(Action))) < 12
+
+
+def test_a_property_that_a_look_refutes_is_not_looked_for_again() -> None:
+    end, actions = ended("B(Green(sodaE), 0.9)")
+    assert (end.status, actions) == ("goal_unachievable", 2)
+
+
+def test_steps_that_are_too_unlikely_are_not_called_impossible() -> None:
+    end, _ = ended("exists o. B(Den(lambda x. Green(x), o), 0.9)", "limits.min_plan_probability=0.12")
+    assert end.status == "goal_unachievable"
+    assert "; too unlikely in detail: ExamineObj(e1, sodaB), " in end.reason
+    assert "impossible" not in end.reason
+
+
 def test_what_is_heavier_than_a_number_is_found_out_by_weighing() -> None:
     goal = "goal=exists o. B(Den(lambda x. Soda(x) & HeavierThan(x, 450), o), 0.9)"
     trace = Trace(recorded("sim2_heavy_soda", 0, "symbolic", (goal,)))
@@ -55,13 +77,30 @@ def test_what_is_heavier_than_a_number_is_found_out_by_weighing() -> None:
 
 
 def test_of_more_certainty_than_any_sensor_gives_the_robot_says_that_it_is_out_of_reach() -> None:
-    end, _ = ended("exists o. B(Den(lambda x. Green(x) & Soda(x), o), 0.999999)")
+    end, _ = ended("B(Light(sodaC), 0.999999)")
     assert end.status == "goal_unachievable"
+
+
+@pytest.mark.parametrize(
+    "conjunct",
+    ["B(Den(lambda x. Green(x), sodaE), 0.995)", "B(In(sodaE, table1), 0.995)", "B(Weight(sodaE), any, 0.5, 1, 0.995)"],
+)
+def test_more_certainty_than_that_anything_exists_is_refused_before_the_run(conjunct: str) -> None:
+    """What stands on the table already would be taken off it and put back, for a belief that no look gives."""
+    with pytest.raises(InputError, match=r"is ever believed to exist with more than 0.99, .* ask for at most 0.99"):
+        prepare(GREEN, [f"goal={conjunct}"])
 
 
 def test_a_quantity_that_is_not_known_well_enough_counts_against_the_goal() -> None:
     end, _ = ended("B(Weight(sodaE), any, 0.01, 1, 0.9)")
     assert (end.status, end.anchor, end.goal_probability) == ("goal_unachievable", "sodaE", 0.0)
+
+
+def test_searches_that_stopped_at_their_limit_are_said_to_have_although_a_later_one_did_not() -> None:
+    trace = Trace(recorded("behind", 0, "symbolic", ("limits.expansions=1",)))
+    (end,) = trace.of(RunEnd)
+    assert end.status == "goal_unachievable"
+    assert re.search(r"; stopped after \d+ expansions \(limits.expansions\)$", end.reason)
 
 
 def test_only_a_search_that_stopped_at_its_limit_is_said_to_have() -> None:

@@ -1,8 +1,13 @@
 """What fluents entail and exclude."""
 
+from pathlib import Path
+
 import pytest
 
+from skolem.reasoner.goals import read_mutexes
 from skolem.reasoner.patterns import Mutexes, entails, mentions
+from skolem.reasoner.queries import Queries
+from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.terms import parse_term
 
 
@@ -51,3 +56,19 @@ def test_exclusion_binds_same_and_other_across_the_pair(fluent: str, other: str,
 def test_a_placeholder_is_found_at_any_depth() -> None:
     assert mentions(parse_term("b(den(e1,sk(var(o))),105361)"), "sk")
     assert not mentions(parse_term("b(den(e1,o2),105361)"), "sk")
+
+
+def test_exclusions_are_read_from_every_file_that_states_some(tmp_path: Path) -> None:
+    own = tmp_path / "own.lp"
+    own.write_text("left(left).\nmutex(holding(same(o)), empty(H)) :- left(H).\n", encoding="utf-8")
+    mutexes = read_mutexes(Rulebook.load(Queries, [own]))
+    shipped = read_mutexes(Rulebook.load(Queries))
+    pair = (parse_term("holding(o1)"), parse_term("empty(left)"))
+    assert (mutexes.exclude(*pair), shipped.exclude(*pair)) == (True, False)
+
+
+def test_pairs_that_were_asked_for_can_be_forgotten() -> None:
+    pair = (parse_term("holding(o1)"), parse_term("b(on(o1,desk),105361)"))
+    assert MUTEXES.exclude(*pair)
+    MUTEXES.forget()
+    assert MUTEXES.exclude(*pair)

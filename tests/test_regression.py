@@ -63,6 +63,14 @@ def search(table: Table, *roots: Subgoal, level: int = 9, limit: int = 500) -> F
     return regress(roots, table, lambda _: level, lambda *_: False, limit, 50_000_000)
 
 
+def test_how_unlikely_a_plan_may_be_is_for_the_caller_to_say() -> None:
+    table = Table([instance("a", ["f"], p=1e-9)], [])
+    floors = (1e-8, 1e-10)
+    found = [regress([terms("f")], table, lambda _: 9, lambda *_: False, 500, nll(floor)) for floor in floors]
+    assert [each.steps is not None for each in found] == [False, True]
+    assert [c.rejected for each in found for c in each.candidates] == ["too_unlikely", None]
+
+
 def names(found: Found) -> list[str]:
     assert found.steps is not None
     return [str(s.instance.step) for s in found.steps]

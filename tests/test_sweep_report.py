@@ -45,7 +45,7 @@ def row(
 
 
 def part(*rows: Row) -> Part:
-    return Part("sim1", "symbolic", (), GOAL, "goal_achieved", rows)
+    return Part("sim1", "scenarios/sim1.yaml", "symbolic", (), GOAL, "goal_achieved", rows)
 
 
 @pytest.mark.parametrize(

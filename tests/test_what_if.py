@@ -161,6 +161,22 @@ def test_what_the_robot_is_told_can_be_changed() -> None:
     assert what_if("sim1_green", "noise.detection.found=0.7").planned > 0
 
 
+def test_the_same_done_elsewhere_ends_the_record() -> None:
+    """Told that a thing stands at the other end of the table, the robot looks there, and the record shows this end."""
+    told = "{id: sodaE, type: {soda: 0.95, bottle: 0.05}, on: table1, at: [-0.2, 0.3, 0.0]}"
+    found = what_if("sim1_green", f"belief.objects.3={told}")
+    last = found.altered[-1]
+    assert (last.step, last.kind, found.decisions) == (0, "act", 1)
+    assert re.fullmatch(r"LookAt\(sodaE\) at \(.*\) rad, elsewhere", last.now)
+    assert found.stopped.startswith("step 0: what follows in the trace came of LookAt(sodaE) at (")
+
+
+def test_nearly_the_same_place_goes_on_and_is_reported() -> None:
+    found = what_if("sim1_green", "belief.objects.3.sd_xy_m=0.05")
+    assert "motion" in {each.kind for each in found.altered}
+    assert found.decisions > 1
+
+
 @pytest.mark.parametrize("flag", ["world.0.type=bottle", "robot.base.x=1.0", "seed=3", "disturbances=[]", "nonsense=1"])
 def test_what_was_recorded_cannot_be_set(flag: str) -> None:
     with pytest.raises(InputError, match="what was recorded cannot change"):

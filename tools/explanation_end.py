@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from skolem.reasoner.goals import nearness
 from skolem.reasoner.hierarchy import PlanStack
 from skolem.reasoner.instances import title
+from skolem.reasoner.queries import IMPLAUSIBLE
 from skolem.reasoner.regression import Step, regress
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, parse_term, prob
 from skolem.tools.explanation import Insight, Truth, truth
 from skolem.tools.explanation_objects import Choice
-from skolem.tools.explanation_plans import IMPLAUSIBLE, planned
+from skolem.tools.explanation_plans import planned
 from skolem.tools.explanation_refusals import Refusal, ruled_out
 from skolem.tools.recalled_geometry import NotRecordedError
 from skolem.tools.recorded_run import RecordedStep
@@ -19,6 +20,7 @@ from skolem.traces.fluents import readable
 from skolem.traces.messages import Decision, Memory, Plan, RunEnd
 
 UNLIKELY = 0.5
+LOWEST_BOUND = 0.01  # what is believed less than this is not worth asking for
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,8 @@ def _short_of_the_goal(choice: Choice, end: RunEnd) -> Iterator[Remedy]:
             continue
         if each.holds is False and each.probability is not None and each.wanted is not None:
             finding = f"the goal asks for {readable(each.fluent)}; its closest object has p = {each.probability:.3f}"
-            yield Remedy("goal", finding, f"a bound of at most {each.probability:.3f}, or evidence that raises p")
+            lower = f"a bound of at most {_below(each.probability):g}, or " if each.probability >= LOWEST_BOUND else ""
+            yield Remedy("goal", finding, f"{lower}evidence that raises p")
 
 
 def _is_met_otherwise(fluent: Truth, choice: Choice) -> bool:
@@ -207,7 +210,7 @@ def _dearest(insight: Insight, steps: Sequence[Step]) -> int:
 
 
 def _below(p: float) -> float:
-    """Return the next smaller number of two digits."""
+    """Return the next smaller number of two digits, of a p above 0."""
     unit = 10.0 ** (math.floor(math.log10(p)) - 1)
     return float(f"{math.floor(p / unit) * unit:.2g}")
 

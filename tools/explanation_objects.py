@@ -4,10 +4,11 @@ import itertools
 from dataclasses import dataclass
 
 from skolem.reasoner.instances import title
+from skolem.reasoner.queries import IMPLAUSIBLE
 from skolem.reasoner.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, compound, nll, parse_term, prob, substitute
 from skolem.tools.explanation import Insight, Truth, truth
-from skolem.tools.explanation_plans import IMPLAUSIBLE, Rival, beaten, planned
+from skolem.tools.explanation_plans import Rival, beaten, planned
 from skolem.tools.explanation_refusals import Refused
 from skolem.tools.explanation_regions import RegionOption, region_options
 from skolem.traces.messages import Decision

@@ -10,8 +10,6 @@ from skolem.tools.explanation import Insight
 from skolem.tools.explanation_refusals import Refused
 from skolem.tools.recalled_geometry import NotRecordedError
 
-IMPLAUSIBLE = 0.001  # as the queries @plausible and @searchable have it
-
 
 def never(_instance: Instance, _level: int) -> bool:
     """Refuse nothing."""

@@ -4,10 +4,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from skolem.reasoner.instances import Instance, title
+from skolem.reasoner.queries import IMPLAUSIBLE
 from skolem.reasoner.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, prob
 from skolem.tools.explanation import Insight, mentioned
-from skolem.tools.explanation_plans import IMPLAUSIBLE, Rival, beaten, planned
+from skolem.tools.explanation_plans import Rival, beaten, planned
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,11 +12,12 @@ from typing import IO, Protocol
 
 from google.protobuf.message import Message as Protobuf
 
+from skolem.estimation.config import EstimatorConfig
 from skolem.reasoner.agent import Turn
 from skolem.reasoner.expressions import Goal
 from skolem.reasoner.parser import goal_faults, parse_goal
 from skolem.reasoner.queries import Queries
-from skolem.reasoner.relations import misused
+from skolem.reasoner.relations import misused, too_sure
 from skolem.reasoner.rulebook import Rulebook
 from skolem.reasoner.wrong_rules import refuse_wrong
 from skolem.sim.scenario import (
@@ -214,7 +215,12 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
 
     def faults(goal: str, names: Collection[str]) -> list[tuple[int, str]]:
         found = goal_faults(goal, words, names)
-        return found or [(0, wrong) for wrong in misused(parse_goal(goal, words, names), rulebook.vocabulary)]
+        if found:
+            return found
+        read = parse_goal(goal, words, names)
+        return [
+            (0, wrong) for wrong in misused(read, rulebook.vocabulary) + too_sure(read, EstimatorConfig().most_sure)
+        ]
 
     scenario = check(document, rulebook.vocabulary.types, faults)
     return scenario, parse_goal(scenario.goal, words, [item.id for item in scenario.belief.objects])

@@ -41,6 +41,7 @@ class Part:
 
     Attributes:
         name: Of the scenario.
+        file: The file it was read from, as the command that is shown calls it.
         world: Which simulator.
         overrides: What was changed of the scenario.
         goal: What was to be achieved.
@@ -49,6 +50,7 @@ class Part:
     """
 
     name: str
+    file: str
     world: str
     overrides: Sequence[str]
     goal: Goal
@@ -64,7 +66,7 @@ class Part:
     def command(self) -> str:
         """What makes these runs."""
         seeds = sorted(row.seed for row in self.rows)
-        words = [f"skolem sweep scenarios/{self.name}.yaml", f"--seeds {_ranges(seeds)}", f"--world {self.world}"]
+        words = [f"skolem sweep {self.file}", f"--seeds {_ranges(seeds)}", f"--world {self.world}"]
         return " ".join([*words, *(f"--set {override}" for override in self.overrides), "-o DIR"])
 
     @property

@@ -146,7 +146,15 @@ def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
     """Return the rows there are, by scenario and seed."""
     found = [rows[task.name] for task in plan.tasks if task.name in rows]
     return [
-        Part(name, setup.world, plan.overrides, setup.goal, _expected(setup), [r for r in found if r.scenario == name])
+        Part(
+            name=name,
+            file=setup.document.file,
+            world=setup.world,
+            overrides=plan.overrides,
+            goal=setup.goal,
+            expected=_expected(setup),
+            rows=[row for row in found if row.scenario == name],
+        )
         for name, setup in sorted(plan.setups.items())
     ]
 

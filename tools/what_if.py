@@ -8,7 +8,7 @@ something else on, the record says nothing.
 from contextlib import closing
 from dataclasses import dataclass, field
 from itertools import zip_longest
-from typing import Literal
+from typing import Final, Literal
 
 from skolem.reasoner.terms import MICRO
 from skolem.tools.planners import planner_of
@@ -17,9 +17,10 @@ from skolem.tools.recorded_run import CUT_SHORT, RecordedRun, RecordedStep
 from skolem.tools.replaying import same_act
 from skolem.tools.rethinking import Given, Rethinking, Thought, end_text
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.messages import Decision, Plan, RunEnd
+from skolem.traces.messages import Command, Decision, LookAt, MoveBase, Pick, Place, Plan, RunEnd
 
 Kind = Literal["act", "end", "motion", "plan", "search"]
+ELSEWHERE: Final = 0.05  # metres and radians: a motion that ends farther off shows the robot other things
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +29,9 @@ class Altered:
 
     Attributes:
         step: Its number.
-        kind: `act`, something else is done; `end`, the run ends otherwise; `motion`, the same is done on another path;
-            `plan`, the same is done for another plan; `search`, for the same plan with other candidates or costs.
+        kind: `act`, something else is done, or the same elsewhere; `end`, the run ends otherwise; `motion`, the same is
+            done on another path to nearly the same place; `plan`, the same is done for another plan; `search`, for the
+            same plan with other candidates or costs.
         was: What was decided.
         now: What would be.
     """
@@ -106,6 +108,8 @@ def _change(recorded: RecordedStep, thought: Thought) -> Altered | None:
             return Altered(step, "end" if was is None else "act", _outcome(recorded), thought.outcome)
     elif not same_act(was, now):
         return Altered(step, "act", was.op, now.op)
+    elif not _ends_alike(was.command, now.command):
+        return Altered(step, "act", f"{was.op}{_to(was.command)}", f"{now.op}{_to(now.command)}, elsewhere")
     elif was.command != now.command:
         return Altered(step, "motion", was.op, f"{now.op} on another path")
     for one, other in zip_longest(map(_planned, recorded.all_of(Plan)), map(_planned, turn.plans), fillvalue=()):
@@ -116,6 +120,33 @@ def _change(recorded: RecordedStep, thought: Thought) -> Altered | None:
         if one != other:
             return Altered(step, "search", *_parting(one, other))
     return None
+
+
+def _ends_alike(one: Command, other: Command) -> bool:
+    """Return whether two motions of a kind end so near each other that what is seen after one was seen after both."""
+    return all(abs(a - b) <= ELSEWHERE for a, b in zip(_ending(one), _ending(other), strict=True))
+
+
+def _ending(command: Command) -> tuple[float, ...]:
+    """Return where a motion ends: base pose in the frame of the start, head angles, or the arm at the object."""
+    match command:
+        case MoveBase(start_T_waypoint=path):
+            return path[-1] if path else (0.0, 0.0, 0.0)
+        case LookAt(pan=pan, tilt=tilt):
+            return (pan, tilt)
+        case Pick(reach=path) | Place(lower=path):
+            return path[-1]
+    return ()
+
+
+def _to(command: Command) -> str:
+    """Return where a motion ends in words; nothing of an arm, whose angles tell a reader nothing."""
+    match command:
+        case MoveBase():
+            return " by ({:.2f} m, {:.2f} m, {:.2f} rad)".format(*_ending(command))
+        case LookAt():
+            return " at ({:.2f}, {:.2f}) rad".format(*_ending(command))
+    return ""
 
 
 def _ended(end: RunEnd | None) -> tuple[str, str | None] | None:

@@ -3,7 +3,9 @@
 import pytest
 from papers import Handler, at_five_percent, can, denotes, posed, shipped
 
+from skolem.estimation.events import Looked, Missed
 from skolem.reasoner.expressions import Atom, Name, Number, Variable
+from skolem.reasoner.goals import achieved_by
 from skolem.reasoner.parser import parse_goal, parse_lambda
 from skolem.traces.errors import InputError
 
@@ -56,3 +58,21 @@ def test_a_goal_may_name_anchors_inside_a_description() -> None:
     belief = Handler(at_five_percent([can("can1", 1.0), can("can2", 1.0, (1.1, 0.3, 0.7, 0.0))])).belief
     goal = "exists o. B(Den(lambda x. Soda(x) & On(x, table1) & Soda(can2), o), 0.9)"
     assert posed(goal, belief).achieved() is not None
+
+
+def test_of_what_is_refuted_no_property_is_believed() -> None:
+    """A thing that looks in vain have shown not to be there is neither green nor a soda, whatever it was told to be."""
+    belief = Handler(at_five_percent([can("can1", 1.0)])).belief
+    goals = ("B(Soda(can1), 0.9)", "B(Holds((Soda,), can1), 0.9)", "B(On(can1, table1), 0.9)")
+    asked = [parse_goal(goal, WORDS, None) for goal in goals]
+    assert all(achieved_by(goal, shipped(), belief) is not None for goal in asked)
+    while "can1" in belief.anchors():
+        in_vain = Missed(anchor="can1", p_reported=0.9, solid=0.0)
+        belief.apply(Looked(camera_covariance=(1e-9, 0, 0, 1e-9, 0, 1e-9), sightings=(), missed=(in_vain,)))
+    assert all(achieved_by(goal, shipped(), belief) is None for goal in asked)
+
+
+def test_where_a_thing_stands_counts_its_existence_once() -> None:
+    belief = Handler(at_five_percent([can("can1", 1.0)])).belief
+    on = denotes("lambda x. On(x, table1)", belief)["can1"]
+    assert on == pytest.approx(belief.prob_exists("can1"), abs=0.005)

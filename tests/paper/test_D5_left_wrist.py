@@ -3,12 +3,15 @@
 from pathlib import Path
 
 from minds import Thing
-from plays import Play
+from plays import LIMITS, Play
 
+from skolem.reasoner.agent import Agent
+from skolem.reasoner.parser import parse_goal
 from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 
 ASKS_THE_LEFT = Path(__file__).parent.parent / "data" / "own_rules" / "weigh_left.lp"
+RULES = Rulebook.load(Queries, [ASKS_THE_LEFT])
 HEAVY = "exists o. B(Den(lambda x. Heavy(x), o), 0.9) & B(In(o, table1), 0.9)"
 
 
@@ -19,7 +22,7 @@ def robot(impossible: tuple[str, ...] = ()) -> Play:
         "table2": Thing({"table": 1.0}),
         "sodaC": Thing({"soda": 1.0}, on="table2"),
     }
-    play = Play(Rulebook.load(Queries, [ASKS_THE_LEFT]), HEAVY, things, log_kg={"sodaC": -0.5})
+    play = Play(RULES, HEAVY, things, log_kg={"sodaC": -0.5})
     play.geometry.impossible = set(impossible)
     return play
 
@@ -33,6 +36,20 @@ def test_a_weighing_with_the_left_hand_is_refused_and_the_right_one_does_it() ->
     assert not [op for op in operators if op.startswith("Balance")]
     assert operators.index("Pick(sodaC)") < operators.index("Weigh(sodaC)")
     assert operators[-1] == "Place(sodaC, table1)"
+
+
+def test_what_is_remembered_has_the_objection_so_that_a_recalled_mind_ends_alike() -> None:
+    play = robot(impossible=("pick(right, sodaC)",))
+    for step in range(20):
+        again = Agent(parse_goal(HEAVY, RULES.vocabulary.words()), RULES, play.belief, play.geometry, LIMITS)
+        again.recall(play.agent.memory(step))
+        recalled, turn = again.decide(step), play.agent.decide(step)
+        assert (recalled.action, recalled.end) == (turn.action, turn.end)
+        if turn.end is not None:
+            assert play.agent.memory(step).objections
+            return
+        play.carry_out(turn)
+    raise AssertionError("the agent never ended")
 
 
 def test_where_the_right_hand_cannot_do_it_either_the_end_says_what_the_rule_lacks() -> None:
