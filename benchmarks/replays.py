@@ -14,15 +14,20 @@ SCENARIOS = tuple(sorted(path.stem for path in (ROOT / "scenarios").glob("*.yaml
 SKOLEM = Path(sys.executable).with_name("skolem")
 TIMES = 20
 ROUNDS = 2  # of every command: the fastest counts, of runs as of replays
+MORE_SEEDS = (1, 2)  # of each scenario, for a folder of traces
 
 
 def tables() -> list[Table]:
     """Return the comparison of runs in PyBullet with their replays."""
     with tempfile.TemporaryDirectory() as folder:
         traces = [Path(folder) / f"{name}.mcap" for name in SCENARIOS]
-        runs = [min(_run(trace) for _ in range(ROUNDS)) for trace in traces]
+        runs = [min(_run(trace, trace.stem, 0) for _ in range(ROUNDS)) for trace in traces]
         alone = [_fastest([trace]) for trace in traces]
         seconds, together = _fastest([traces[0], *traces])
+        others = [(trace.with_stem(f"{trace.stem}-{seed}"), seed) for trace in traces for seed in MORE_SEEDS]
+        for trace, seed in others:
+            _run(trace, trace.stem.removesuffix(f"-{seed}"), seed)
+        shared_seconds, shared = _fastest([*traces, *(trace for trace, _ in others)], workers=())
     rows, ratios, inner, lived, own, later = [], [], [], [], [], []
     for name, run, (command, found), other in zip(SCENARIOS, runs, alone, together[1:], strict=True):
         ratios.append(run / command)
@@ -34,13 +39,16 @@ def tables() -> list[Table]:
         times += [found[0]["replay_s"], inner[-1], other["replay_s"], later[-1]]
         rows.append([name, found[0]["decisions"], *(f"{value:.2f}" for value in times)])
     every, every_lived = (sum(found[what] for found in together) for what in ("run_s", "simulated_s"))
+    shared_runs = sum(found["run_s"] for found in shared)
     return [
         Table(
             "Replays beside their runs",
             "Of `skolem run` in PyBullet, seed 0, and of `skolem replay` of its trace, which is identical each time: "
             "how long the robot took, by its own clock, and the wall times of the whole commands; of run and replay "
             "themselves, without the start of the program; and of a replay in a command that has read the same rules "
-            f"for another trace before. Of each command the fastest of {ROUNDS}, of a run itself the last.",
+            f"for another trace before. Of each command the fastest of {ROUNDS}, of a run itself the last. The folder "
+            f"has {1 + len(MORE_SEEDS)} seeds of each scenario, shared between as many processes as `skolem replay` takes "
+            "by itself: what it is for is a folder of runs after a rule was edited.",
             (
                 "scenario",
                 "decisions",
@@ -58,11 +66,12 @@ def tables() -> list[Table]:
             [
                 _faster("a replay itself", "the robot", min(own)),
                 _faster("a command", "the robot", min(lived)),
-                _faster(f"one command for {len(together)} traces", "the robot", every_lived / seconds),
+                _faster(f"one command for {len(together)} traces, in one process", "the robot", every_lived / seconds),
                 _faster("a command", "the run", min(ratios)),
                 _faster("a replay itself", "the run", min(inner)),
                 _faster("a replay with rules that were read before", "the run", min(later)),
-                _faster(f"one command for {len(together)} traces", "the runs", every / seconds),
+                _faster(f"one command for {len(together)} traces, in one process", "the runs", every / seconds),
+                _faster(f"one command for a folder of {len(shared)} traces", "the runs", shared_runs / shared_seconds),
             ],
             [_start_up(alone[0][0] - alone[0][1][0]["replay_s"])],
         )
@@ -82,27 +91,28 @@ def _start_up(seconds: float) -> str:
     )
 
 
-def _run(trace: Path) -> float:
-    """Return the seconds of one command that runs the scenario of that name; its trace is replaced."""
+def _run(trace: Path, scenario: str, seed: int) -> float:
+    """Return the seconds of one command that runs a scenario; its trace is replaced."""
     trace.unlink(missing_ok=True)
-    scenario = f"scenarios/{trace.stem}.yaml"
-    return _timed(["run", scenario, "--seed", "0", "--profile", "--quiet", "-o", str(trace)])[0]
+    return _timed(["run", f"scenarios/{scenario}.yaml", "--seed", str(seed), "--profile", "-q", "-o", str(trace)])[0]
 
 
-def _fastest(traces: Sequence[Path]) -> tuple[float, list[dict[str, float]]]:
+def _fastest(
+    traces: Sequence[Path], workers: Sequence[str] = ("--workers", "1")
+) -> tuple[float, list[dict[str, float]]]:
     """Return the least that several commands, all of the same traces, took: as a whole, and of each replay."""
-    every = [_replayed(traces) for _ in range(ROUNDS)]
+    every = [_replayed(traces, workers) for _ in range(ROUNDS)]
     each = [min(replays, key=lambda found: found["replay_s"]) for replays in zip(*(r for _, r in every), strict=True)]
     return min(seconds for seconds, _ in every), each
 
 
-def _replayed(traces: Sequence[Path]) -> tuple[float, list[dict[str, float]]]:
+def _replayed(traces: Sequence[Path], workers: Sequence[str]) -> tuple[float, list[dict[str, float]]]:
     """Return the seconds of one command, and what it says of each trace.
 
     Raises:
         RuntimeError: If one is not identical.
     """
-    seconds, out = _timed(["replay", "--json", "--workers", "1", *map(str, traces)])
+    seconds, out = _timed(["replay", "--json", *workers, *map(str, traces)])
     found = [json.loads(line) for line in out.splitlines()]
     strange = [each["trace"] for each in found if each["status"] != "identical"]
     if strange:
