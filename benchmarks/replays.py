@@ -47,8 +47,8 @@ def tables() -> list[Table]:
             "how long the robot took, by its own clock, and the wall times of the whole commands; of run and replay "
             "themselves, without the start of the program; and of a replay in a command that has read the same rules "
             f"for another trace before. Of each command the fastest of {ROUNDS}, of a run itself the last. The folder "
-            f"has {1 + len(MORE_SEEDS)} seeds of each scenario, shared between as many processes as `skolem replay` takes "
-            "by itself: what it is for is a folder of runs after a rule was edited.",
+            f"has {1 + len(MORE_SEEDS)} seeds of each scenario, shared "
+            "between as many processes as `skolem replay` takes by itself.",
             (
                 "scenario",
                 "decisions",
