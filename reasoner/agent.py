@@ -298,15 +298,14 @@ class Agent:
 
 
 def _objects(command: Term | None) -> tuple[str, ...]:
-    """Return the anchors that a command is about: an object, and where it is put."""
+    """Return what a command is about, hands left out: an object; where it is put, and what that is to leave clear."""
     if not isinstance(command, Compound):
         raise InternalError(
             f"an operator executes {command}; expected move(..), look(..), pick(..), place(..), weigh(..)"
         )
     if command.name == "move":
         return _objects(command.args[0])
-    about = command.args[1:] if command.name == "pick" else command.args[:2]  # no hand, and not what is to be clear
-    return tuple(map(str, about))
+    return tuple(str(a) for a in (command.args[1:] if command.name == "pick" else command.args))
 
 
 def _why_none(found: Found) -> str:
