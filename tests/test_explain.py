@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from recordings import rewritten, unchanged
+from recordings import recorded, rewritten, unchanged
 from typer.testing import CliRunner
 
 from skolem.tools import explain
@@ -223,6 +223,16 @@ def test_an_object_that_no_hand_reaches_is_named_as_what_stood_in_the_way(tmp_pa
     changes = {remedy.change for remedy in ending.remedies if remedy.kind == "geometry"}
     assert "a free place within reach for it" in changes
     assert {remedy.kind for remedy in ending.remedies} == {"goal", "geometry"}
+
+
+def test_what_was_too_unlikely_is_not_called_impossible() -> None:
+    goal = "goal=exists o. B(Den(lambda x. Green(x), o), 0.9)"
+    ending = explained(recorded("sim1_green", 0, "symbolic", (goal, "limits.min_plan_probability=0.12")), None).ending
+    assert ending is not None
+    (remedy,) = (remedy for remedy in ending.remedies if remedy.finding.startswith("ExamineObj(e1, sodaE)"))
+    assert remedy.finding == "ExamineObj(e1, sodaE) has no way to be done that is likely enough"
+    assert (remedy.kind, remedy.change) == ("threshold", "limits.min_plan_probability below 0.12")
+    assert not any(remedy.kind == "geometry" for remedy in ending.remedies)
 
 
 def test_an_action_that_never_does_what_it_should_is_named_with_how_often_it_was_tried(tmp_path: Path) -> None:

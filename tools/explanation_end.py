@@ -4,6 +4,7 @@ import math
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from skolem.reasoner.agent import IMPOSSIBLE, NOT_FOUND, UNLIKELY
 from skolem.reasoner.goals import nearness
 from skolem.reasoner.hierarchy import PlanStack
 from skolem.reasoner.instances import title
@@ -19,7 +20,7 @@ from skolem.tools.recorded_run import RecordedStep
 from skolem.traces.fluents import readable
 from skolem.traces.messages import Decision, Memory, Plan, RunEnd
 
-UNLIKELY = 0.5
+DOUBTFUL = 0.5
 LOWEST_BOUND = 0.01  # what is believed less than this is not worth asking for
 
 
@@ -72,7 +73,7 @@ def ending(
     for name, count in in_vain.items():
         found.append(Remedy("repeats", f"{name} was done {count} times without doing what it should", repeats))
     if end.status == "goal_unachievable":
-        found += [*_threshold(insight), *_impossible(insight, refused, in_vain), *_regions(insight)]
+        found += [*_threshold(insight), *_impossible(insight, end, refused, in_vain), *_regions(insight)]
     return Ending(end.status, end.reason, tuple(found))
 
 
@@ -112,14 +113,14 @@ def _properties(insight: Insight, choice: Choice, anchor: str | None) -> Iterato
         nearest, finding = _nearest(insight, each, scope)
         least = min(sorted(each[nearest]), key=each[nearest].__getitem__)
         lacking.add(least)
-        if each[nearest][least] < UNLIKELY:
+        if each[nearest][least] < DOUBTFUL:
             finding += f" (meant by {text})" if len(goal.expressions) > 1 else ""
             yield Remedy("property", finding, f"an object that is {least} besides would have to be known or found")
         for name, conjuncts in each.items():
             has[name] |= conjuncts
     for word in sorted({word for conjuncts in has.values() for word in conjuncts} - lacking):
         p, name = max((conjuncts[word], name) for name, conjuncts in has.items() if word in conjuncts)
-        if p < UNLIKELY:
+        if p < DOUBTFUL:
             finding = f"of {scope} {name} is the likeliest to be {word}, with p = {p:.3g}"
             yield Remedy("property", finding, f"an object that is {word} would have to be known or found")
 
@@ -223,15 +224,22 @@ def failure(found: RecordedStep, end: RunEnd) -> Ending:
     return Ending(end.status, end.reason, (Remedy("failure", finding, change),))
 
 
-def _impossible(insight: Insight, refused: Sequence[Refusal], in_vain: Container[str]) -> Iterator[Remedy]:
-    """Steps that could not be refined, for rules that stand against it, or not be executed in the believed world."""
+def _impossible(insight: Insight, end: RunEnd, refused: Sequence[Refusal], in_vain: Container[str]) -> Iterator[Remedy]:
+    """Steps that could not be refined, for rules or prices that stand against it, or not be executed as things are."""
     objections = {each.op: found for each in refused if (found := ruled_out(insight, each))}
     for op, found in sorted(objections.items()):
         finding = f"{op} has no way to be done that the rules do not refuse: {'; '.join(map(str, found))}"
         yield Remedy("rule", finding, "the rules that are named, or what they ask of the belief")
+    said = dict(part.split(": ", 1) for part in end.reason.split("; ") if ": " in part)
     for op in sorted({each.op for each in refused if each.op not in in_vain} - objections.keys()):
-        finding = f"{op} was found impossible in the believed world"
-        yield Remedy("geometry", finding, "a way to do it: other things, another arrangement, or a better known one")
+        if op in said.get(UNLIKELY, ""):
+            floor = f"limits.min_plan_probability below {insight.given.limits.min_plan_probability:g}"
+            yield Remedy("threshold", f"{op} has no way to be done that is likely enough", floor)
+        elif op not in said.get(NOT_FOUND, ""):  # of these limits.expansions is said to stand in the way
+            finding = f"{op} was {IMPOSSIBLE}"
+            yield Remedy(
+                "geometry", finding, "a way to do it: other things, another arrangement, or a better known one"
+            )
     for answer in insight.recorded.answers:
         if answer.query.startswith("approach") and answer.answer is None:
             finding = f"no way to {answer.query.removeprefix('approach ')}"
