@@ -147,11 +147,10 @@ def _report(complaints: Sequence[Complaint], certain: bool, json: bool) -> None:
             message = f"{found.severity}: {found.fault.message.removeprefix('warning: ')}{hint}"
             print(replace(found.fault, message=message))
     counts = Counter(complaint.severity for complaint in complaints)
-    said = [_counted(counts[severity], severity) for severity in ("error", "warning", "allowed") if counts[severity]]
-    print(", ".join(said) or "nothing to complain of")
+    said = [f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in ("error", "warning") if counts[s]]
+    allowed = (
+        f"; {counts['allowed']} allowed for a reason that stands in the file (--json)" if counts["allowed"] else ""
+    )
+    print((", ".join(said) or "nothing to complain of") + allowed)
     if not certain:
         print("more may follow once these are mended")
-
-
-def _counted(number: int, severity: str) -> str:
-    return f"{number} {severity}{'s' if number > 1 and severity != 'allowed' else ''}"
