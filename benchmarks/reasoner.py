@@ -16,7 +16,7 @@ from benchmarks.believed import Imagined
 from benchmarks.problems import GOAL, problem
 from benchmarks.tables import Table, Target
 from skolem.reasoner.asking import Asked
-from skolem.reasoner.denotation import Denotations
+from skolem.reasoner.denotations import Denotations
 from skolem.reasoner.goals import PosedGoal, read_mutexes
 from skolem.reasoner.offers import RuleOffers
 from skolem.reasoner.parser import parse_goal

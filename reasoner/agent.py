@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from skolem.reasoner.attempts import Attempts
-from skolem.reasoner.denotation import Denotations
+from skolem.reasoner.denotations import Denotations
 from skolem.reasoner.expressions import Goal
 from skolem.reasoner.goals import Closest, PosedGoal, read_mutexes
 from skolem.reasoner.hierarchy import Change, PlanStack

@@ -23,7 +23,6 @@ from skolem.reasoner.vocabulary import Vocabulary, comparison
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Meaning
 
-MOST_ALTERNATIVES: Final = 32  # sets of properties kept per description, smallest first
 STRANGER: Final = "_new_"  # an object that nobody has met yet
 _NOTHING: Final = Compound("", ())
 
@@ -112,11 +111,13 @@ class Circuit:
         variable: What the lambda binds.
         root: The value of its body.
         props: The properties said of the described object itself, by name, sorted.
+        compared: Those of them that compare it with a number: relation and thousandths, by name.
     """
 
     variable: Term
     root: Node
     props: tuple[str, ...]
+    compared: Mapping[str, tuple[str, int]]
 
 
 # ---------------------------------------------------------------- compiling
@@ -137,8 +138,9 @@ def compile_description(description: Lambda, rulebook: Rulebook) -> Circuit:
     axioms = {expression: node for expression, node in atoms["axiom"]}
     variable, root = compound("var", description.variable), _node(body, axioms)
     props = {str(word) for _, word in atoms.get("props", [])}
-    props |= {comparison(*compared) for leaf in _leaves(root) if (compared := _compared(leaf, variable))}
-    return Circuit(variable, root, tuple(sorted(props)))
+    numbers = {found for leaf in _leaves(root) if (found := compared_in(leaf, variable))}
+    compared = {comparison(*found): found for found in sorted(numbers)}
+    return Circuit(variable, root, tuple(sorted({*props, *compared})), compared)
 
 
 def expression_term(expression: Expression) -> Term:
@@ -180,7 +182,7 @@ def _leaves(node: Node) -> Iterator[Leaf]:
             yield from _leaves(inner)
 
 
-def _compared(leaf: Leaf, variable: Term) -> tuple[str, int] | None:
+def compared_in(leaf: Leaf, variable: Term) -> tuple[str, int] | None:
     """Return relation and number, in thousandths, of a comparison of what a variable stands for; None if it is none."""
     match leaf.args:
         case (one, Compound("number", (int(thousandths),))) if one == variable:
@@ -325,85 +327,3 @@ class WithStranger:
         if anchor == other:
             return 1.0
         return self._belief.prob_on(other if anchor == STRANGER else anchor, self._belief.region_support(self._region))
-
-
-# ---------------------------------------------------------------- which properties make it true
-
-
-def alternatives(circuit: Circuit) -> tuple[tuple[str, ...], ...]:
-    """Return sets of properties of the described object, each enough to make its description true as far as they go.
-
-    Minimal sets, smallest first. Relations to others are left out: no observation of one object settles those.
-    """
-    return tuple(tuple(sorted(words)) for words in _alternatives(circuit.root, circuit) if words)
-
-
-def _alternatives(node: Node, circuit: Circuit) -> list[frozenset[str]]:
-    match node:
-        case Leaf(relation, args):
-            compared = _compared(node, circuit.variable)
-            if compared is not None:
-                return [frozenset({comparison(*compared)})]
-            return [frozenset({relation}) if args == (circuit.variable,) else frozenset()]
-        case EitherOver(_, inner):
-            return _alternatives(inner, circuit)
-        case Product(left, right):
-            pairs = product(_alternatives(left, circuit), _alternatives(right, circuit))
-            return _minimal(a | b for a, b in pairs)
-        case Either(left, right):
-            return _minimal([*_alternatives(left, circuit), *_alternatives(right, circuit)])
-
-
-def _minimal(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:
-    """Return the sets without supersets of non-empty ones, in a fixed order."""
-    ordered = sorted(set(sets), key=lambda words: (len(words), sorted(words)))
-    kept = [words for words in ordered if not any(other and other < words for other in ordered)]
-    return kept[:MOST_ALTERNATIVES]
-
-
-# ---------------------------------------------------------------- for one goal
-
-
-class Denotations:
-    """The descriptions of a goal, evaluated once per version of the belief.
-
-    Attributes:
-        circuits: By the constant of the description.
-        meanings: What properties mean, by name: the words, and what the descriptions compare with numbers.
-        alternatives: By the constant of the description, as `alternatives` gives them.
-    """
-
-    def __init__(self, expressions: Mapping[str, Lambda], rulebook: Rulebook) -> None:
-        self.circuits = {name: compile_description(found, rulebook) for name, found in expressions.items()}
-        self.alternatives = {name: alternatives(circuit) for name, circuit in self.circuits.items()}
-        self._vocabulary = rulebook.vocabulary
-        compared = {
-            found
-            for circuit in self.circuits.values()
-            for leaf in _leaves(circuit.root)
-            if (found := _compared(leaf, circuit.variable))
-        }
-        own = {comparison(*found): self._vocabulary.exceeding(*found) for found in sorted(compared)}
-        self.meanings: Mapping[str, Meaning] = {**self._vocabulary.meanings, **own}
-        self._version: int | None = None
-        self._tables: dict[str, dict[str, float]] = {}
-
-    def table(self, expression: str, belief: GroundBeliefs) -> Mapping[str, float]:
-        """Return P(Den) for every anchor."""
-        if belief.version != self._version:
-            self._version, self._tables = belief.version, {}
-        if expression not in self._tables:
-            self._tables[expression] = evaluate(self.circuits[expression], belief, self._vocabulary)
-        return self._tables[expression]
-
-    def probability(self, expression: str, anchor: str, belief: GroundBeliefs) -> float:
-        """Return P(Den); 0 for an unknown anchor."""
-        return self.table(expression, belief).get(anchor, 0.0)
-
-    def probability_of_new(self, expression: str, region: str, belief: OpenBeliefs) -> float:
-        """Return P(Den) of an arbitrary object that nobody has met yet and that is in the region."""
-        return evaluate_at(STRANGER, self.circuits[expression], WithStranger(belief, region), self._vocabulary)
-
-    def conjuncts(self, expression: str, anchor: str, belief: GroundBeliefs) -> dict[str, float]:
-        """Return the probability of each property that the description turns on: the parts of an explanation."""
-        return {name: belief.prob_property(anchor, self.meanings[name]) for name in self.circuits[expression].props}

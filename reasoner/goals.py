@@ -5,7 +5,7 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
-from skolem.reasoner.denotation import Denotations
+from skolem.reasoner.denotations import Denotations
 from skolem.reasoner.expressions import Goal
 from skolem.reasoner.offers import RuleOffers
 from skolem.reasoner.patterns import Mutexes, mentions

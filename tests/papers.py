@@ -13,7 +13,8 @@ from minds import Region, TableBelief, TableGeometry, Thing
 from plays import BLUE, GREEN, RED, Play
 from searches import ROBOT, TYPES, Searcher, detection, told
 
-from skolem.reasoner.denotation import Denotations, compile_description, evaluate
+from skolem.reasoner.denotation import compile_description, evaluate
+from skolem.reasoner.denotations import Denotations
 from skolem.reasoner.goals import PosedGoal, read_mutexes
 from skolem.reasoner.instances import Instance
 from skolem.reasoner.parser import parse_goal, parse_lambda

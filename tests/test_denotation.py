@@ -7,7 +7,8 @@ from descriptions import OBJECTS, PROPERTIES, lambdas
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skolem.reasoner.denotation import Denotations, alternatives, compile_description, evaluate, expression_term
+from skolem.reasoner.denotation import compile_description, evaluate, expression_term
+from skolem.reasoner.denotations import Denotations, alternatives
 from skolem.reasoner.expressions import And, Atom, Exists, Expression, Lambda, Name, Or, Variable, constant_of
 from skolem.reasoner.parser import parse_lambda
 from skolem.reasoner.queries import Queries

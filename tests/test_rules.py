@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from minds import TableBelief, TableGeometry, Thing
 
-from skolem.reasoner.denotation import Denotations
+from skolem.reasoner.denotations import Denotations
 from skolem.reasoner.goals import read_mutexes
 from skolem.reasoner.instances import Instance
 from skolem.reasoner.offers import RuleOffers

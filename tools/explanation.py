@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from skolem.estimation.belief import Belief
 from skolem.reasoner.agent import Agent
-from skolem.reasoner.denotation import Denotations
+from skolem.reasoner.denotations import Denotations
 from skolem.reasoner.goals import PosedGoal
 from skolem.reasoner.proofs import Derivation
 from skolem.reasoner.queries import Queries
