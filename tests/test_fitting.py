@@ -71,8 +71,8 @@ def test_a_heading_is_vague_where_two_agree_with_the_points() -> None:
 def test_points_of_something_else_make_a_fit_doubt_itself() -> None:
     feet, heights = seen_side("carton", 1.0, 0.0, 0.4)
     other, others = seen_side("soda", 1.0, 0.06, 0.0)
-    both = np.concatenate([feet, other]), np.concatenate([heights, others])
-    alone, joined = (fit_type(*seen, CAMERA_XY, TYPES["carton"]) for seen in ((feet, heights), both))
+    alone = fit_type(feet, heights, CAMERA_XY, TYPES["carton"])
+    joined = fit_type(np.concatenate([feet, other]), np.concatenate([heights, others]), CAMERA_XY, TYPES["carton"])
     assert joined.covariance[0, 0] > 9.0 * alone.covariance[0, 0]
 
 
