@@ -152,9 +152,8 @@ class PosedGoal:
 def read_mutexes(rulebook: Rulebook) -> Mutexes:
     """Return the exclusions that the rules state, in whichever file; those of other files may follow from anything."""
     stating = rulebook.stating(("mutex", 2))
-    files = (
-        stating if stating == ("mutex",) else [n for f, _ in rulebook.sources if (n := f.name) != ABOUT_DESCRIPTIONS]
-    )
+    every = [file.name for file, _ in rulebook.sources if file.name != ABOUT_DESCRIPTIONS]
+    files = stating if stating == ("mutex",) else every
     return Mutexes((f, g) for f, g in rulebook.solve([], None, files).atoms.get("mutex", []))
 
 
