@@ -5,7 +5,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from skolem.sim.detector import Seen, canonical_order, pose_covariance
-from skolem.sim.fitting import FIT_SD_M, UNKNOWN_YAW_SD_RAD
+from skolem.sim.fitting import MODEL_SD_M, UNKNOWN_YAW_SD_RAD
 from skolem.sim.likelihood import likeness
 from skolem.sim.noise import Purpose, stream
 from skolem.traces.likeliest import likeliest
@@ -87,7 +87,7 @@ def _false_alarm(
     claimed = types[names[int(draws.integers(len(names)))]]
     upright = claimed.shape == "cylinder"
     base_T_object = (x, y, z, 0.0 if upright else float(draws.uniform(-np.pi / 2.0, np.pi / 2.0)))
-    fit = np.diag([FIT_SD_M**2, FIT_SD_M**2, UNKNOWN_YAW_SD_RAD**2 if upright else FIT_SD_M**2])
+    fit = np.diag([MODEL_SD_M**2, MODEL_SD_M**2, UNKNOWN_YAW_SD_RAD**2 if upright else MODEL_SD_M**2])
     distance_m = float(np.linalg.norm(np.array([x, y, z]) - seen.camera_base))
     red, green, blue = (float(value) for value in draws.random(3))
     return Detection(

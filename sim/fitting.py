@@ -6,12 +6,12 @@ size would be off by several millimetres.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import OptimizeResult, least_squares
+from scipy.optimize import least_squares
 
 from skolem.traces.messages import ObjectType
 
@@ -23,14 +23,12 @@ TOP_SPREAD_M = 0.006  # points this near that height are of the top
 TOP_BIAS_M = 0.0005  # a top is seen so much too high: a drawn cylinder's is by 0.9 mm, a box's is not
 MAX_POINTS = 240  # of a cluster used in a fit, evenly taken
 MAX_EVALUATIONS = 10  # per start of a fit; more move the best fit by less than a tenth of a millimetre
-POINT_SD_M = 0.002  # of points from the outline of what they are of: depth steps, and that they are discrete
-INDEPENDENT = 100  # of the points of a fit, so many err each on its own
-FIT_SD_M = 0.0015  # of a fitted place, each axis, and of a heading in radians, where a detection is made up
+MODEL_SD_M = 0.0015  # a fit is never trusted beyond this: depth steps and the outline's discreteness are common errors
 PRIOR_SD = (0.05, 0.05, 1.8)  # m, m, rad: what is known of a pose in a direction that the points leave open
 YAW_STARTS = 4
 UNKNOWN_YAW_SD_RAD = 1.8  # uniform over a full turn has sd pi / sqrt(3)
 
-Floats = NDArray[np.float64]
+Residual = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +46,13 @@ class Fit:
     height_error_m: float
     outline_error_m: float
     outside: float
-    xy_theta: Floats
-    covariance: Floats
+    xy_theta: NDArray[np.float64]
+    covariance: NDArray[np.float64]
 
 
-def fit_type(outline_points: Floats, heights: Floats, camera_xy: Floats, kind: ObjectType) -> Fit:
+def fit_type(
+    outline_points: NDArray[np.float64], heights: NDArray[np.float64], camera_xy: NDArray[np.float64], kind: ObjectType
+) -> Fit:
     """Return how a cluster fits a type.
 
     Args:
@@ -65,7 +65,7 @@ def fit_type(outline_points: Floats, heights: Floats, camera_xy: Floats, kind: O
     feet, is_top = outline_points[::every], heights[::every] > kind.size_m[2] - TOP_M
     distance = _distance_to(kind)
 
-    def residual(pose: Floats) -> Floats:
+    def residual(pose: NDArray[np.float64]) -> NDArray[np.float64]:
         signed = distance(feet, pose)
         return np.where(is_top, np.maximum(signed, 0.0), signed)
 
@@ -75,22 +75,23 @@ def fit_type(outline_points: Floats, heights: Floats, camera_xy: Floats, kind: O
     ]
     best = min(fits, key=lambda fit: float(fit.cost))
     left = residual(best.x)
+    spread = max(float(np.sqrt(np.mean(left**2))), MODEL_SD_M)
     return Fit(
         height_error_m=_top_m(heights) - kind.size_m[2],
         outline_error_m=float(np.abs(left).mean()),
         outside=float(np.mean(left > OUTSIDE_M)),
         xy_theta=_canonical(best.x, kind),
-        covariance=_covariance(fits, best, float(np.mean(left**2)), kind),
+        covariance=_covariance(np.asarray(best.jac), spread),
     )
 
 
-def _top_m(heights: Floats) -> float:
+def _top_m(heights: NDArray[np.float64]) -> float:
     """Return the height of a cluster's top: in the middle of the points that depth errors spread above and below it."""
     high = np.percentile(heights, TOP_PERCENTILE, method="lower")
     return float(np.median(heights[np.abs(heights - high) < TOP_SPREAD_M])) - TOP_BIAS_M
 
 
-def _starts(feet: Floats, camera_xy: Floats, kind: ObjectType) -> list[Floats]:
+def _starts(feet: NDArray[np.float64], camera_xy: NDArray[np.float64], kind: ObjectType) -> list[NDArray[np.float64]]:
     """Return where the fit starts: behind the seen side, and for a box at several headings."""
     centre = feet.mean(axis=0)
     away = (centre - camera_xy) / np.linalg.norm(centre - camera_xy)
@@ -100,14 +101,14 @@ def _starts(feet: Floats, camera_xy: Floats, kind: ObjectType) -> list[Floats]:
     return [np.array([*start, k * math.pi / YAW_STARTS]) for k in range(YAW_STARTS)]
 
 
-def _distance_to(kind: ObjectType) -> Callable[[Floats, Floats], Floats]:
+def _distance_to(kind: ObjectType) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
     """Return the signed distance of points (n, 2) from the outline of a type at a pose; negative inside."""
     half = np.array(kind.size_m[:2]) / 2.0
 
-    def circle(feet: Floats, pose: Floats) -> Floats:
+    def circle(feet: NDArray[np.float64], pose: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(np.hypot(feet[:, 0] - pose[0], feet[:, 1] - pose[1]) - half[0])
 
-    def rectangle(feet: Floats, pose: Floats) -> Floats:
+    def rectangle(feet: NDArray[np.float64], pose: NDArray[np.float64]) -> NDArray[np.float64]:
         c, s = np.cos(pose[2]), np.sin(pose[2])
         beyond = np.abs((feet - pose[:2]) @ np.array([[c, -s], [s, c]])) - half
         outside = np.hypot(*np.maximum(beyond, 0.0).T)
@@ -116,37 +117,27 @@ def _distance_to(kind: ObjectType) -> Callable[[Floats, Floats], Floats]:
     return circle if kind.shape == "cylinder" else rectangle
 
 
-def _canonical(pose: Floats, kind: ObjectType) -> Floats:
+def _canonical(pose: NDArray[np.float64], kind: ObjectType) -> NDArray[np.float64]:
     """Return the pose with the one heading that stands for all equal ones.
 
     A cylinder's is 0; a box repeats every half turn, [-pi/2, pi/2), and a square one every quarter, [-pi/4, pi/4).
     """
     if kind.shape == "cylinder":
         return np.array([pose[0], pose[1], 0.0])
-    period = _period(kind)
+    period = math.pi / 2.0 if kind.size_m[0] == kind.size_m[1] else math.pi
     return np.array([pose[0], pose[1], (pose[2] + period / 2.0) % period - period / 2.0])
 
 
-def _period(box: ObjectType) -> float:
-    """Return the turn after which a box looks alike, rad."""
-    return math.pi / 2.0 if box.size_m[0] == box.size_m[1] else math.pi
+def _covariance(jacobian: NDArray[np.float64], spread: float) -> NDArray[np.float64]:
+    """Return the covariance of a fitted pose, shape (3, 3); a cylinder's heading is unknown.
 
-
-def _covariance(fits: Sequence[OptimizeResult], best: OptimizeResult, mean_square: float, kind: ObjectType) -> Floats:
-    """Return the covariance of the best of a type's fits, shape (3, 3); a cylinder's heading is unknown.
-
-    What points err on their own averages out; what they are farther off than that is of something else that they are
-    of or hidden by, and does not. Where they agree with several headings, fits from several starts end apart: each is
-    the right one with the likelihood that the points give it, and how far it is from the best is a part of the error.
+    All points share the errors of depth steps and outline, so the points count as one for each parameter's direction:
+    information is that of the mean squared Jacobian, not of the sum.
     """
-    variance = POINT_SD_M**2 / INDEPENDENT + max(0.0, mean_square - POINT_SD_M**2)
-    size, weight = len(best.x), 1.0 / len(best.fun) / variance
-    information = np.diag(1.0 / np.square(PRIOR_SD[:size])) + weight * best.jac.T @ best.jac
-    covariance = np.diag([0.0, 0.0, UNKNOWN_YAW_SD_RAD**2])
-    covariance[:size, :size] = np.linalg.inv(information)
-    if kind.shape == "cylinder":
-        return covariance
-    likelihood = np.exp([-weight * (fit.cost - best.cost) for fit in fits])
-    apart = np.array([fit.x - best.x for fit in fits])
-    apart[:, 2] = [math.remainder(turn, _period(kind)) for turn in apart[:, 2]]
-    return np.asarray(covariance + (apart.T * likelihood / likelihood.sum()) @ apart)
+    information = np.diag(1.0 / np.square(PRIOR_SD))
+    size = jacobian.shape[1]
+    information[:size, :size] += jacobian.T @ jacobian / len(jacobian) / spread**2
+    covariance = np.linalg.inv(information)
+    if size == 2:
+        covariance[2, 2] = UNKNOWN_YAW_SD_RAD**2
+    return np.asarray(covariance)

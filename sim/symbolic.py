@@ -20,7 +20,7 @@ from skolem.sim.cloud import Frame, misplaced
 from skolem.sim.corridors import HAND_M, pillar, standing_in
 from skolem.sim.detection_noise import worsen
 from skolem.sim.detector import Seen, canonical_order, pose_covariance
-from skolem.sim.fitting import FIT_SD_M, UNKNOWN_YAW_SD_RAD
+from skolem.sim.fitting import MODEL_SD_M, UNKNOWN_YAW_SD_RAD
 from skolem.sim.footprints import Footprint, footprint, overhang
 from skolem.sim.likelihood import likeness
 from skolem.sim.noise import Extrinsics, Purpose, extrinsic_error, odometry_error, stream, wrist_error
@@ -314,7 +314,7 @@ class SymbolicWorld:
         body, upright = self._bodies[solid.id], solid.type.shape == "cylinder"
         x, y, z, theta = base_T_seen
         base_T_object = (x, y, z, 0.0 if upright else wrap(2.0 * theta) / 2.0)
-        fit = np.diag([FIT_SD_M**2, FIT_SD_M**2, UNKNOWN_YAW_SD_RAD**2 if upright else FIT_SD_M**2])
+        fit = np.diag([MODEL_SD_M**2, MODEL_SD_M**2, UNKNOWN_YAW_SD_RAD**2 if upright else MODEL_SD_M**2])
         h, s, v = body.hsv
         distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))
         return Detection(

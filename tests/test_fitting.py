@@ -11,11 +11,9 @@ NOISE_M = 0.002
 CAMERA_XY = np.zeros(2)
 
 
-def seen_side(
-    name: str, x: float, y: float, theta: float, seed: int = 0
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def seen_side(name: str, x: float, y: float, theta: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return feet and heights of points on the sides of a thing that face the origin, with noise."""
-    draws, kind = np.random.Generator(np.random.PCG64(seed)), TYPES[name]
+    draws, kind = np.random.Generator(np.random.PCG64(0)), TYPES[name]
     half = np.array(kind.size_m[:2]) / 2.0
     around = np.linspace(-math.pi, math.pi, 400, endpoint=False)
     ring = np.column_stack([np.cos(around), np.sin(around)])
@@ -42,38 +40,6 @@ def test_a_boxs_heading_is_found_modulo_half_a_turn(theta: float) -> None:
     found = fit_type(*seen_side("carton", 1.0, -0.3, theta), CAMERA_XY, TYPES["carton"]).xy_theta[2]
     assert -math.pi / 2.0 <= found < math.pi / 2.0
     assert math.sin(found - theta) == pytest.approx(0.0, abs=0.05)
-
-
-@pytest.mark.parametrize("name", ["carton", "soda"])
-def test_a_fit_in_full_view_claims_about_what_it_errs(name: str) -> None:
-    """Normalised squared errors of place, and of heading: below 1 on average, and not far below."""
-    squares = []
-    for seed in range(40):
-        fit = fit_type(*seen_side(name, 1.0, -0.3, 0.4, seed), CAMERA_XY, TYPES[name])
-        off = fit.xy_theta - (1.0, -0.3, 0.4 if name == "carton" else 0.0)
-        squares.append(off**2 / np.diag(fit.covariance))
-    x, y, theta = np.mean(squares, axis=0)
-    assert 0.1 < (x + y) / 2.0 < 1.5
-    assert name == "soda" or 0.1 < theta < 1.5
-
-
-def test_a_heading_is_vague_where_two_agree_with_the_points() -> None:
-    """Of a box's side only a piece is seen that the short and the long side have in common."""
-    along = np.linspace(-0.025, 0.025, 60)
-    feet = np.column_stack([np.full(60, 1.0), along])
-    heights = np.linspace(0.015, TYPES["carton"].size_m[2], 60)
-    piece = fit_type(feet, heights, CAMERA_XY, TYPES["carton"])
-    whole = fit_type(*seen_side("carton", 1.0, 0.0, 0.4), CAMERA_XY, TYPES["carton"])
-    assert math.sqrt(piece.covariance[2, 2]) > 0.5
-    assert math.sqrt(whole.covariance[2, 2]) < 0.03
-
-
-def test_points_of_something_else_make_a_fit_doubt_itself() -> None:
-    feet, heights = seen_side("carton", 1.0, 0.0, 0.4)
-    other, others = seen_side("soda", 1.0, 0.06, 0.0)
-    alone = fit_type(feet, heights, CAMERA_XY, TYPES["carton"])
-    joined = fit_type(np.concatenate([feet, other]), np.concatenate([heights, others]), CAMERA_XY, TYPES["carton"])
-    assert joined.covariance[0, 0] > 9.0 * alone.covariance[0, 0]
 
 
 def test_a_cylinder_has_no_heading() -> None:
