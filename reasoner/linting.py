@@ -79,7 +79,7 @@ def findings(rules: Rulebook | Examined) -> list[Finding]:
 
 def _misspelt(file: RuleFile) -> Iterator[Finding]:
     """Yield the allowances of a file that are of nothing there is."""
-    for number, line in enumerate(file.content.decode().splitlines(), 1):
+    for number, line in enumerate(file.content.decode(errors="replace").splitlines(), 1):
         match = _ALLOW.match(line)
         if match and match["code"] not in CODES:
             near = get_close_matches(match["code"], CODES, 1)

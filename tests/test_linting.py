@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 from minds import Region, TableBelief, TableGeometry, Thing
 
+from skolem.reasoner.examination import examine
 from skolem.reasoner.fluent_kinds import ACTIVITIES, FLUENTS
 from skolem.reasoner.linting import CODES, NO_SUCH_CODE, findings
 from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook import Rulebook, rule_files
 from skolem.reasoner.situation import Situation
 from skolem.reasoner.terms import parse_term
 from skolem.reasoner.wrong_rules import NOT_A_FLUENT, refuse_wrong
@@ -42,6 +43,15 @@ def test_an_allowance_of_nothing_is_complained_of(tmp_path: Path, code: str, sai
     ((line, found, message),) = complaints(tmp_path, f"{PUSH}% allow {code}: it is meant so\n{PUSH}")
     assert (line, found) == (5, NO_SUCH_CODE)
     assert said in message
+
+
+def test_bytes_that_are_no_text_are_a_fault_of_the_file_and_no_obstacle_to_its_check(tmp_path: Path) -> None:
+    path = tmp_path / "own.lp"
+    path.write_bytes(b"% allow caf\xe9: x\nfoo(1).\n")
+    sources, _ = rule_files([path])
+    examined = examine(sources, Queries)
+    assert [fault.message for fault in examined.faults if fault.file == str(path)] == ["not UTF-8: byte 11"]
+    assert findings(examined) == []
 
 
 def test_rules_that_fit_in_are_not_complained_of(tmp_path: Path) -> None:

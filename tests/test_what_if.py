@@ -1,6 +1,7 @@
 """Recorded runs under other rules, goals or thresholds: which decisions change, and where the record ends."""
 
 import json
+import math
 import re
 import tempfile
 from pathlib import Path
@@ -13,9 +14,9 @@ from skolem.tools.other_minds import Changes, changes_of, given_with
 from skolem.tools.recorded_rules import Rulebooks
 from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.stopwatch import Stopwatch
-from skolem.tools.what_if import Foreseen, foresee
+from skolem.tools.what_if import Foreseen, ends_alike, foresee
 from skolem.traces.errors import InputError
-from skolem.traces.messages import Action, Message
+from skolem.traces.messages import Action, Command, Hand, Joints7, Message, MoveBase, Place, Weigh
 from skolem.traces.reader import Recorded
 
 RULES = Path(__file__).parent.parent / "rules"
@@ -24,6 +25,10 @@ RULES = Path(__file__).parent.parent / "rules"
 def what_if(scenario: str, *flags: str, rules: dict[str, bytes] | None = None) -> Foreseen:
     run = RecordedRun(recorded(scenario))
     return foresee(run, given_with(run, changes_of(rules or {}, flags), Rulebooks()), Stopwatch())
+
+
+def placing(hand: Hand, joints: Joints7) -> Place:
+    return Place(hand=hand, approach=(joints,), lower=(joints,), retreat=(joints,), carry=(joints,))
 
 
 def edited() -> dict[str, bytes]:
@@ -169,6 +174,26 @@ def test_the_same_done_elsewhere_ends_the_record() -> None:
     assert (last.step, last.kind, found.decisions) == (0, "act", 1)
     assert re.fullmatch(r"LookAt\(sodaE\) at \(.*\) rad, elsewhere", last.now)
     assert found.stopped.startswith("step 0: what follows in the trace came of LookAt(sodaE) at (")
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        (MoveBase(start_T_waypoint=((1.0, 0.0, 3.13),)), MoveBase(start_T_waypoint=((1.04, 0.0, -3.13),)), True),
+        (MoveBase(start_T_waypoint=((1.0, 0.0, 0.0),)), MoveBase(start_T_waypoint=((1.06, 0.0, 0.0),)), False),
+        (MoveBase(start_T_waypoint=((6.3, 0.0, 0.0),)), MoveBase(start_T_waypoint=()), False),
+        (Weigh(hand="left"), Weigh(hand="right"), False),
+        (Weigh(hand="left"), Weigh(hand="left"), True),
+        (placing("left", (0.1,) * 7), placing("left", (0.1 + 2.0 * math.pi,) * 7), True),
+        (placing("left", (0.1,) * 7), placing("right", (0.1,) * 7), False),
+        (placing("left", (0.1,) * 7), Place(hand="left", approach=(), lower=(), retreat=(), carry=()), False),
+    ],
+)
+def test_motions_end_alike_if_the_same_hand_or_base_ends_nearly_there(
+    one: Command, other: Command, alike: bool
+) -> None:
+    """Angles that differ by a turn are the same; a motion without an end is like none with one."""
+    assert ends_alike(one, other) is alike
 
 
 def test_nearly_the_same_place_goes_on_and_is_reported() -> None:

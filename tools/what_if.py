@@ -5,6 +5,7 @@ what the recorded robot did. So each decision is answered for the history as it 
 something else on, the record says nothing.
 """
 
+import math
 from contextlib import closing
 from dataclasses import dataclass, field
 from itertools import zip_longest
@@ -17,7 +18,7 @@ from skolem.tools.recorded_run import CUT_SHORT, RecordedRun, RecordedStep
 from skolem.tools.replaying import same_act
 from skolem.tools.rethinking import Given, Rethinking, Thought, end_text
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.messages import Command, Decision, LookAt, MoveBase, Pick, Place, Plan, RunEnd
+from skolem.traces.messages import Command, Decision, LookAt, MoveBase, Pick, Place, Plan, RunEnd, Weigh
 
 Kind = Literal["act", "end", "motion", "plan", "search"]
 ELSEWHERE: Final = 0.05  # metres and radians: a motion that ends farther off shows the robot other things
@@ -108,7 +109,7 @@ def _change(recorded: RecordedStep, thought: Thought) -> Altered | None:
             return Altered(step, "end" if was is None else "act", _outcome(recorded), thought.outcome)
     elif not same_act(was, now):
         return Altered(step, "act", was.op, now.op)
-    elif not _ends_alike(was.command, now.command):
+    elif not ends_alike(was.command, now.command):
         return Altered(step, "act", f"{was.op}{_to(was.command)}", f"{now.op}{_to(now.command)}, elsewhere")
     elif was.command != now.command:
         return Altered(step, "motion", was.op, f"{now.op} on another path")
@@ -122,9 +123,16 @@ def _change(recorded: RecordedStep, thought: Thought) -> Altered | None:
     return None
 
 
-def _ends_alike(one: Command, other: Command) -> bool:
+def ends_alike(one: Command, other: Command) -> bool:
     """Return whether two motions of a kind end so near each other that what is seen after one was seen after both."""
-    return all(abs(a - b) <= ELSEWHERE for a, b in zip(_ending(one), _ending(other), strict=True))
+    hands = {command.hand for command in (one, other) if isinstance(command, Pick | Place | Weigh)}
+    ends, others = _ending(one), _ending(other)
+    if len(hands) > 1 or len(ends) != len(others):
+        return False
+    apart = [a - b for a, b in zip(ends, others, strict=True)]
+    metres = 2 if isinstance(one, MoveBase) else 0  # so many come first; the others are angles
+    apart[metres:] = [math.remainder(turn, math.tau) for turn in apart[metres:]]
+    return all(abs(each) <= ELSEWHERE for each in apart)
 
 
 def _ending(command: Command) -> tuple[float, ...]:
@@ -135,7 +143,7 @@ def _ending(command: Command) -> tuple[float, ...]:
         case LookAt(pan=pan, tilt=tilt):
             return (pan, tilt)
         case Pick(reach=path) | Place(lower=path):
-            return path[-1]
+            return path[-1] if path else ()
     return ()
 
 
