@@ -13,6 +13,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from skolem.reasoner.rulebook import RULE_FILES
+from skolem.tools.source import source_sha256
 
 ROOT = Path(__file__).parent.parent
 CONFIG = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -25,19 +26,22 @@ MACHINE_PATH = re.compile(r"(?<![\w.*$})~-])/(tmp|work|root|home)(?![\w-])")
 NOT_OURS = {"build", "dist", "out", "node_modules", "__pycache__"}
 
 
-def test_every_package_folder_is_mapped_and_there_are_no_sub_packages() -> None:
-    """A new sub-package works when editable and is missing from the wheel."""
-    inner = {path.parent.relative_to(ROOT).as_posix() for d in FOLDERS for path in (ROOT / d).rglob("__init__.py")}
-    assert inner == FOLDERS
+def packages() -> set[str]:
+    """Return the folder of every package and sub-package, from the root of the checkout."""
+    return {path.parent.relative_to(ROOT).as_posix() for d in FOLDERS for path in (ROOT / d).rglob("__init__.py")}
 
 
-def test_no_python_file_hides_in_a_folder_below_a_package() -> None:
-    deep = {path for d in FOLDERS for path in (ROOT / d).rglob("*.py") if path.parent != ROOT / d}
-    assert not deep
+def test_the_package_list_names_every_folder_with_an_init_file() -> None:
+    """A sub-package that is not listed works when editable and is missing from the wheel."""
+    assert SETUPTOOLS["packages"] == sorted("skolem." + folder.replace("/", ".") for folder in packages())
 
 
-def test_mapping_and_package_list_agree() -> None:
-    assert set(SETUPTOOLS["packages"]) == set(MAPPING) == {f"skolem.{folder}" for folder in FOLDERS}
+def test_no_python_file_hides_in_a_folder_that_is_no_package() -> None:
+    assert {path.parent.relative_to(ROOT).as_posix() for d in FOLDERS for path in (ROOT / d).rglob("*.py")} == packages()
+
+
+def test_every_folder_at_the_top_is_mapped() -> None:
+    assert set(MAPPING) == {f"skolem.{folder}" for folder in FOLDERS}
 
 
 def test_the_type_checkers_links_mirror_the_mapping(type_farm: Path) -> None:
@@ -97,6 +101,17 @@ def test_every_direct_dependency_has_its_licence_noted() -> None:
     notices = canonicalize_name((ROOT / "THIRD_PARTY_NOTICES.md").read_text(encoding="utf-8"))
     missing = {name for name in pinned() if f"| {name} |" not in notices} - {"colorama"}  # Windows only
     assert not missing
+
+
+def test_the_hash_of_the_program_notices_a_change_in_a_room(tmp_path: Path) -> None:
+    for folder in sorted(packages()):
+        (tmp_path / folder).mkdir(parents=True, exist_ok=True)
+    hashes = {source_sha256(tmp_path)}
+    decisive = sorted(folder for folder in packages() if folder.split("/")[0] not in ("rules", "tools"))
+    for folder in decisive:
+        (tmp_path / folder / "planted.py").touch()
+        hashes.add(source_sha256(tmp_path))
+    assert len(hashes) == len(decisive) + 1
 
 
 def test_scripts_that_are_called_can_be_executed() -> None:

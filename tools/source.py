@@ -6,10 +6,10 @@ from typing import Final
 
 DECISIVE: Final = (
     "rules/*.lp",
-    "reasoner/*.py",
-    "estimation/*.py",
-    "sim/*.py",
-    "traces/*.py",
+    "reasoner/**/*.py",
+    "estimation/**/*.py",
+    "sim/**/*.py",
+    "traces/**/*.py",
     "tools/mind.py",
     "tools/planners.py",
     "tools/recorded_geometry.py",
