@@ -17,8 +17,8 @@ from skolem.reasoner.queries import Queries
 from skolem.reasoner.rulebook import Rulebook
 from skolem.sim.detector import detect
 from skolem.sim.likelihood import HEIGHT_SD_PER_M2, OUTLINE_SD_PER_M2
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
+from skolem.traces.messages.likeliest import likeliest
 
 SCENES = 10  # of each condition
 NEAR_M = 0.03  # a detection farther from every thing is false

@@ -15,8 +15,7 @@ from benchmarks.estimator_scores import errors
 from benchmarks.headings import least_turn
 from skolem.estimation.belief import Belief
 from skolem.estimation.events import Began, Event
-from skolem.estimation.se2 import Matrix, between, flat
-from skolem.estimation.se2 import log as tangent
+from skolem.estimation.se2 import Matrix, between, flat, log as tangent
 from skolem.sim.pybullet_world import PyBulletWorld
 from skolem.sim.scenario import prior, true_bodies
 from skolem.sim.symbolic_view import head_towards
@@ -24,7 +23,7 @@ from skolem.tools import session
 from skolem.tools.live import watcher_for
 from skolem.tools.planners import WorldKind
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.likeliest import likeliest
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     Action,
     ActionResult,
@@ -37,7 +36,7 @@ from skolem.traces.messages import (
     TrueObject,
     TrueState,
 )
-from skolem.traces.reader import Trace
+from skolem.traces.messages.likeliest import likeliest
 
 Array = NDArray[np.float64]
 TOUR_LOOKS, TOP_M = 6, 0.68  # each after a drive; the height looked at

@@ -26,7 +26,7 @@ from benchmarks.estimator_scores import (
 from benchmarks.tables import ROOT, Table, Target
 from skolem.estimation.events import Began
 from skolem.tools.session import prepare
-from skolem.traces.reader import Trace
+from skolem.traces.file.reader import Trace
 
 Array = NDArray[np.float64]
 SEEDS = 50  # of the tours of each scenario

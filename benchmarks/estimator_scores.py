@@ -12,8 +12,7 @@ from benchmarks.tables import Target
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Began, Event
 from skolem.estimation.pose_graph import BASE, PoseGraph
-from skolem.estimation.se2 import Matrix, between
-from skolem.estimation.se2 import log as tangent
+from skolem.estimation.se2 import Matrix, between, log as tangent
 from skolem.traces.messages import Pose2
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
 from skolem.tools.viewing import record
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import TICKS_PER_SECOND
-from skolem.traces.reader import Trace
 
 SCENARIOS = (("illustrative", 3, True), ("illustrative", 3, False))  # seed, pictures; of more than a minute
 TIMES = 5

@@ -7,7 +7,7 @@ Like colour and weight, a type belief is a frozen value: `updated` takes one obs
 import math
 from dataclasses import dataclass, replace
 
-from skolem.traces.likeliest import likeliest
+from skolem.traces.messages.likeliest import likeliest
 
 ROUNDING = 1e-9  # a belief this far below a threshold counts as reaching it
 

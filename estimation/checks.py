@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from skolem.estimation.pose_graph import BASE
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Prior
+from skolem.traces.messages.likeliest import likeliest
 
 
 def check_prior(prior: Prior) -> None:

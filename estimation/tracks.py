@@ -24,8 +24,8 @@ from skolem.estimation.events import (
 )
 from skolem.estimation.weight import WeightBelief, WeightSensor
 from skolem.traces.errors import InternalError
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import GRAVITY, Detection, Hand, ObjectType, Prior, PriorObject
+from skolem.traces.messages.likeliest import likeliest
 
 INTRODUCED = re.compile(r"_o(\d+)_")  # names that the robot gives, or could have given
 

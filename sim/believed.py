@@ -20,8 +20,8 @@ from skolem.sim.doubt import Doubts
 from skolem.sim.poses import Vector3, compose2, flat, inverse2
 from skolem.sim.pr2 import ARM, BASE, FINGER_OPEN_RAD, HEAD, PR2
 from skolem.sim.standing import Carried, Standing
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import HANDS, Belief, Hand, ObjectType, Pose2, Pose4
+from skolem.traces.messages.likeliest import likeliest
 
 Floats = NDArray[np.float64]
 

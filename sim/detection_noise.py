@@ -8,8 +8,8 @@ from skolem.sim.detector import Seen, canonical_order, pose_covariance
 from skolem.sim.fitting import MODEL_SD_M, UNKNOWN_YAW_SD_RAD
 from skolem.sim.likelihood import likeness
 from skolem.sim.noise import Purpose, stream
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
+from skolem.traces.messages.likeliest import likeliest
 
 FALSE_POINTS = (40, 300)  # a false alarm claims to rest on so many points
 

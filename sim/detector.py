@@ -17,8 +17,8 @@ from skolem.sim.likelihood import type_log_likelihood
 from skolem.sim.noise import extrinsic_covariance
 from skolem.sim.supports import Support, find_supports
 from skolem.sim.tables import TableFit, find_tables
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
+from skolem.traces.messages.likeliest import likeliest
 
 MAX_DISTANCE_M = 2.4  # from the camera; beyond it depth errors exceed what tells things from their support
 CLEARANCE_M = 0.015  # points this near a support are taken for the support

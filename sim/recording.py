@@ -19,8 +19,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
 from skolem.sim.cloud import focal_px
-from skolem.sim.poses import Quaternion as Xyzw
-from skolem.sim.poses import Vector3 as Xyz
+from skolem.sim.poses import Quaternion as Xyzw, Vector3 as Xyz
 from skolem.traces.messages import TICKS_PER_SECOND
 
 WORLD_FRAME, BASE_FRAME, CAMERA_FRAME, TRUTH_PREFIX = "world", "base_footprint", "camera", "truth/"

@@ -20,7 +20,6 @@ from skolem.sim.scenario_document import Address, Document, load_document, neare
 from skolem.sim.scenario_models import BelievedObject, BelievedRegion, ColourPrior, LogNormal, Scenario, WorldObject
 from skolem.sim.truth import TrueBody
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import (
     HsvBelief,
     NoiseModel,
@@ -32,6 +31,7 @@ from skolem.traces.messages import (
     PriorRegion,
     RobotState,
 )
+from skolem.traces.messages.likeliest import likeliest
 
 __all__ = [
     "Document",

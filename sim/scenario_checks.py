@@ -15,8 +15,8 @@ from skolem.sim.footprints import Footprint, footprint, overhang, overlaps
 from skolem.sim.poses import compose2
 from skolem.sim.scenario_document import Address, nearest
 from skolem.sim.scenario_models import REGION_NAME, BasePose, BelievedObject, Disturbance, Place, WorldObject
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import ObjectType, Pose2
+from skolem.traces.messages.likeliest import likeliest
 
 M = TypeVar("M", bound=BaseModel)
 Mistake = tuple[Address, str]

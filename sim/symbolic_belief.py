@@ -9,8 +9,8 @@ from skolem.sim.doubt import Doubts
 from skolem.sim.footprints import Footprint, footprint, overlaps
 from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap
 from skolem.sim.symbolic_sight import BelievedSight, Thing
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Belief, Hand, ObjectBelief, ObjectType, Pose2, Pose4
+from skolem.traces.messages.likeliest import likeliest
 
 STANDOFF_M = 0.62  # from the base to what a hand reaches for
 OBLIQUE_RAD = 0.4  # between the heading of a base that stands obliquely and the square one

@@ -16,8 +16,8 @@ from scipy.optimize import least_squares
 from skolem.sim.cloud import Cloud
 from skolem.sim.edges import Top, passed, tops
 from skolem.sim.supports import Support
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import ObjectType
+from skolem.traces.messages.likeliest import likeliest
 
 HEIGHT_M = 0.06  # a top this much off its type's height is not one: three sd of a camera 1 degree off, at 1.2 m
 HEIGHT_SD_M = 0.02

@@ -9,9 +9,9 @@ from skolem.tools.live import Silence
 from skolem.tools.planners import WorldKind
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
+from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import JSON_TOPICS, Message
-from skolem.traces.reader import Recorded, Trace
-from skolem.traces.writer import TraceWriter
 
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
 _FOLDER = tempfile.TemporaryDirectory()  # gone when the tests are over

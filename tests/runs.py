@@ -19,6 +19,7 @@ from skolem.tools.live import Silence
 from skolem.tools.planners import WorldKind
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     HANDS,
     Action,
@@ -35,7 +36,6 @@ from skolem.traces.messages import (
     TrueState,
     Verdict,
 )
-from skolem.traces.reader import Trace
 
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
 

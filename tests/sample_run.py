@@ -6,6 +6,7 @@ from pathlib import Path
 
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
+from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import (
     Action,
     ActionResult,
@@ -18,7 +19,6 @@ from skolem.traces.messages import (
     RunEnd,
     RunStart,
 )
-from skolem.traces.writer import TraceWriter
 
 SCENARIO = b"skolem: 1\n"
 RULES = {f"{name}.lp": f"% {name}, Schlüssel\n".encode() for name in ("look", "pick", "move", "place")}

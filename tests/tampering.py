@@ -6,8 +6,8 @@ from pathlib import Path
 
 from mcap.records import Chunk, DataEnd, Message
 
-from skolem.traces.container import Copy, contents, pieces
-from skolem.traces.writer import CHUNK_BYTES
+from skolem.traces.file.container import Copy, contents, pieces
+from skolem.traces.file.writer import CHUNK_BYTES
 
 Edit = Callable[[list[object]], list[object]]
 

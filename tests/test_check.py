@@ -19,13 +19,13 @@ from recordings import recorded
 from tampering import each, messages, records_of, renumbered, rewrite
 
 from skolem.tools import cli
-from skolem.traces.check import Flaw, check
-from skolem.traces.codec import CONTENT, HashChain, decode
 from skolem.traces.errors import TraceError
+from skolem.traces.file.check import Flaw, check
+from skolem.traces.file.codec import CONTENT, HashChain, decode
+from skolem.traces.file.reader import Trace
+from skolem.traces.file.recover import recover
+from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, TRUTH, ActionResult, RunStart, TrueState, canonical
-from skolem.traces.reader import Trace
-from skolem.traces.recover import recover
-from skolem.traces.writer import TraceWriter
 
 
 @pytest.fixture

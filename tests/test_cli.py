@@ -16,9 +16,9 @@ import pytest
 
 from skolem.tools import cli
 from skolem.tools.running import unused
+from skolem.traces.file.reader import Trace
+from skolem.traces.file.writer import partial_of
 from skolem.traces.messages import RunEnd
-from skolem.traces.reader import Trace
-from skolem.traces.writer import partial_of
 
 ROOT = Path(__file__).parent.parent
 GREEN = str(ROOT / "scenarios" / "sim1_green.yaml")

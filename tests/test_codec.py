@@ -5,13 +5,12 @@ from collections.abc import Callable
 import pytest
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from pydantic import ValidationError
 
-from skolem.traces.clock import tick_at, time_ns
-from skolem.traces.codec import ContentHash, HashChain, decode, encode, schema_bytes
 from skolem.traces.errors import InternalError
+from skolem.traces.file.clock import tick_at, time_ns
+from skolem.traces.file.codec import ContentHash, HashChain, decode, encode, schema_bytes
 from skolem.traces.messages import (
     CLASS_OF,
     JSON_TOPICS,

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import pytest
 from descriptions import OBJECTS, PROPERTIES, lambdas
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from skolem.reasoner.denotation import compile_description, evaluate, expression_term
 from skolem.reasoner.denotations import Denotations, alternatives

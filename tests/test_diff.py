@@ -11,10 +11,10 @@ import pytest
 from recordings import recorded, rewritten, unchanged
 
 from skolem.tools import cli
-from skolem.traces.decided import parting
-from skolem.traces.diff import Change, Comparison, Tolerance, by_step, compare, tolerance_for
+from skolem.traces.compare.decided import parting
+from skolem.traces.compare.diff import Change, Comparison, Tolerance, by_step, compare, tolerance_for
+from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import CLASS_OF, Action, Belief, Message, RunEnd
-from skolem.traces.reader import Recorded, Trace
 
 EXACT = Tolerance()
 COMMAND = "import sys; from skolem.tools.cli import main; sys.exit(main())"

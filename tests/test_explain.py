@@ -21,8 +21,8 @@ from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.errors import InputError, InternalError
+from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import Decision, Denotation, Message, Plan
-from skolem.traces.reader import Recorded, Trace
 
 ROOT = Path(__file__).parent.parent
 

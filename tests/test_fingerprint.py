@@ -11,9 +11,9 @@ from tampering import each, rewrite
 
 from skolem.tools import cli
 from skolem.tools.fingerprint import DECIDES_FLOATS, differences
-from skolem.traces.environment import environment
+from skolem.traces.file.environment import environment
+from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import Belief, Message
-from skolem.traces.reader import Recorded, Trace
 
 
 def test_this_machine_does_not_differ_from_itself() -> None:

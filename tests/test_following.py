@@ -7,9 +7,9 @@ import pytest
 from sample_run import record_step, run_start
 
 from skolem.traces.errors import TraceError
-from skolem.traces.following import follow
-from skolem.traces.reader import Recorded, Trace
-from skolem.traces.writer import TraceWriter
+from skolem.traces.file.following import follow
+from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.file.writer import TraceWriter
 
 
 def written(follower: object) -> list[Recorded]:

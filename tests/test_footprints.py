@@ -3,8 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from skolem.sim.footprints import Footprint, collide, distance, footprint, overhang, overlaps
 from skolem.sim.poses import compose2

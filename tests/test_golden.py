@@ -17,12 +17,12 @@ from skolem.reasoner.rulebook import Rulebook
 from skolem.tools import cli
 from skolem.tools.recorded_rules import rulebook_of
 from skolem.tools.trace_account import account
-from skolem.traces.check import check
-from skolem.traces.codec import CONTENT, counter_of
+from skolem.traces.compare.golden import MANIFEST, MAX_BYTES, Golden, keep_decisions, read_manifest, write_manifest
 from skolem.traces.errors import InputError
-from skolem.traces.golden import MANIFEST, MAX_BYTES, Golden, keep_decisions, read_manifest, write_manifest
+from skolem.traces.file.check import check
+from skolem.traces.file.codec import CONTENT, counter_of
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Decision, Meaning, Memory, PlanCause, RememberedStep, TypeIs
-from skolem.traces.reader import Trace
 
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "tests" / "golden"

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from skolem.tools import cli
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Plan, RunEnd
-from skolem.traces.reader import Trace
 
 IMPOSSIBLE = Path(__file__).parent.parent / "scenarios" / "impossible.yaml"
 REGIONS = ("_reg1_", "_reg2_", "_reg3_")

@@ -12,9 +12,9 @@ from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replaying import Options, replay
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.diff import Tolerance
+from skolem.traces.compare.diff import Tolerance
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, RunEnd, RunStart
-from skolem.traces.reader import Trace
 
 KITCHEN = Path(__file__).parent / "data" / "kitchen" / "kitchen.yaml"
 SEEDS = range(4)

@@ -7,10 +7,10 @@ import pytest
 from pydantic import BaseModel, Field
 from recordings import recorded
 
-from skolem.traces.codec import schema_bytes
-from skolem.traces.known_fields import KnownFields
+from skolem.traces.file.codec import schema_bytes
+from skolem.traces.file.known_fields import KnownFields
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import JSON_TOPICS
-from skolem.traces.reader import Trace
 
 
 class Leaf(BaseModel):

@@ -1,6 +1,6 @@
 import pytest
 
-from skolem.traces.likeliest import likeliest
+from skolem.traces.messages.likeliest import likeliest
 
 
 def test_the_highest_share_wins() -> None:

@@ -10,7 +10,7 @@ from tampering import rewrite
 from skolem.tools.recorded_rules import Rulebooks
 from skolem.tools.recorded_run import RecordedRun
 from skolem.traces.errors import TraceError
-from skolem.traces.reader import Trace
+from skolem.traces.file.reader import Trace
 
 
 def without(name: str, path: Path) -> Path:

@@ -10,8 +10,8 @@ from skolem.sim.scenario import prior
 from skolem.sim.symbolic_arm import CARRY
 from skolem.tools.session import prepare
 from skolem.traces.errors import InputError
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Observation, RobotState, RunEnd
-from skolem.traces.reader import Trace
 
 MODEL = (  # of the noise, as in the scenarios
     "{depth: {sd_scale: 1.0}, extrinsics: {sd_m: 0.003, sd_rad: 0.004}, "

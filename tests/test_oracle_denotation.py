@@ -9,8 +9,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from test_denotation import BOOK, ROUNDING, WORDS, Table
 
 from skolem.reasoner.denotation import compile_description, evaluate, evaluate_at

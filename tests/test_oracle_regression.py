@@ -6,8 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from minds import Region, TableBelief, TableGeometry, Thing
 from numpy.random import PCG64, Generator, SeedSequence
 from papers import EXAMPLE_GOAL, posed, shipped

@@ -4,8 +4,7 @@ The program knows steps in time, states that change, and `#minimize`; nothing of
 """
 
 import clingo
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from test_regression import Table, instance, terms
 
 from skolem.reasoner import regression

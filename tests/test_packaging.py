@@ -37,7 +37,9 @@ def test_the_package_list_names_every_folder_with_an_init_file() -> None:
 
 
 def test_no_python_file_hides_in_a_folder_that_is_no_package() -> None:
-    assert {path.parent.relative_to(ROOT).as_posix() for d in FOLDERS for path in (ROOT / d).rglob("*.py")} == packages()
+    assert {
+        path.parent.relative_to(ROOT).as_posix() for d in FOLDERS for path in (ROOT / d).rglob("*.py")
+    } == packages()
 
 
 def test_every_folder_at_the_top_is_mapped() -> None:

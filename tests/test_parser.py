@@ -2,8 +2,7 @@
 
 import pytest
 from descriptions import OBJECTS, RELATIONS, goals, lambdas
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from skolem.reasoner.expressions import And, Atom, Believed, Den, Exists, Goal, Lambda, Name, Or, Variable
 from skolem.reasoner.parser import goal_faults, parse_goal, parse_lambda

@@ -4,15 +4,14 @@ from pathlib import Path
 
 import pytest
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from mcap.writer import Writer
 
-from skolem.traces.codec import CONTENT
 from skolem.traces.errors import TraceError
+from skolem.traces.file.codec import CONTENT
+from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import Observation, Perf, RunStart, TrueObject, TrueState, Verdict
-from skolem.traces.reader import Recorded, Trace
-from skolem.traces.writer import TraceWriter
 
 number = st.floats(allow_nan=False, allow_infinity=False)
 text = st.text(st.characters(exclude_categories=["Cs"]))

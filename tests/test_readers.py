@@ -22,9 +22,9 @@ from needs import missing
 from rerun.chunk import RrdReader
 from views import filmed
 
-from skolem.traces.codec import schema_bytes, schema_name
+from skolem.traces.file.codec import schema_bytes, schema_name
+from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, PROTOBUF_TOPICS
-from skolem.traces.reader import Recorded, Trace
 
 READERS = Path(__file__).parent / "readers"
 

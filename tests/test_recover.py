@@ -13,12 +13,12 @@ from mcap.records import Chunk
 from recordings import recorded
 
 from skolem.tools import cli
-from skolem.traces.check import check
-from skolem.traces.container import pieces
 from skolem.traces.errors import InputError, TraceError
+from skolem.traces.file.check import check
+from skolem.traces.file.container import pieces
+from skolem.traces.file.reader import Trace
+from skolem.traces.file.recover import recover
 from skolem.traces.messages import ActionResult, Chain
-from skolem.traces.reader import Trace
-from skolem.traces.recover import recover
 
 ROOT = Path(__file__).parent.parent
 GREEN = ROOT / "scenarios" / "sim1_green.yaml"

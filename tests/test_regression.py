@@ -4,8 +4,7 @@ import itertools
 import math
 from collections.abc import Iterable
 
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from skolem.reasoner import regression
 from skolem.reasoner.instances import Instance

@@ -21,11 +21,11 @@ from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replaying import Options, Replayed, replay
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.codec import counter_of
-from skolem.traces.diff import Tolerance, tolerance_for
+from skolem.traces.compare.diff import Tolerance, tolerance_for
 from skolem.traces.errors import InputError, InternalError, TraceError
+from skolem.traces.file.codec import counter_of
+from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import JSON_TOPICS, ActionResult, Decision, Memory, Message, Observation, Plan
-from skolem.traces.reader import Recorded, Trace
 
 EXACT = Tolerance()
 DOES_NOT_COME_AGAIN = "the recorded error (InternalError: boom) does not come again"
@@ -91,7 +91,7 @@ def test_a_run_with_physics_is_thought_again_without_the_simulator() -> None:
     code = (
         "import sys\nfrom pathlib import Path\nfrom skolem.tools.recorded_run import RecordedRun\n"
         "from skolem.tools.replaying import Options, replay\nfrom skolem.tools.stopwatch import Stopwatch\n"
-        "from skolem.traces.diff import Tolerance\n"
+        "from skolem.traces.compare.diff import Tolerance\n"
         f"found = replay(RecordedRun(Path({str(path)!r})), Options(Tolerance()), Stopwatch())\n"
         "assert found.identical and found.ended\n"
         "assert not {'pybullet', 'ompl', 'rerun'} & set(sys.modules)"

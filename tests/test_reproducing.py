@@ -12,11 +12,11 @@ from skolem.tools.mind import Mind
 from skolem.tools.reproducing import end_of_again, reproduce, setup_in
 from skolem.tools.session import Outcome, run
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.diff import Comparison, Tolerance
+from skolem.traces.compare.diff import Comparison, Tolerance
 from skolem.traces.errors import InternalError, TraceError
+from skolem.traces.file.reader import Trace
+from skolem.traces.file.writer import partial_of
 from skolem.traces.messages import TrueState
-from skolem.traces.reader import Trace
-from skolem.traces.writer import partial_of
 
 
 def again(path: Path, out: Path) -> Comparison:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skolem.traces.messages import HsvBelief, ObjectBelief
-from skolem.traces.rerun_belief import SIGMAS, spread
+from skolem.traces.scene.belief import SIGMAS, spread
 
 
 def known(x: float = 1.0, **changes: object) -> ObjectBelief:

@@ -7,8 +7,8 @@ import pytest
 
 from skolem.sim.cloud import FOVY_RAD, pixel_rays
 from skolem.traces.messages import DepthView, Detection, ObjectType
-from skolem.traces.rerun_camera import label_points, outline, pixel
-from skolem.traces.rerun_shapes import placed
+from skolem.traces.scene.camera import label_points, outline, pixel
+from skolem.traces.scene.shapes import placed
 
 COLUMNS, ROWS = 40, 30
 HALF = math.sin(math.pi / 8.0)

@@ -11,15 +11,15 @@ from rerun.chunk import RrdReader
 from views import eye_of
 
 from skolem.tools.viewing import pr2_model
-from skolem.traces.likeliest import likeliest
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Belief, Denotation, HsvBelief, ObjectBelief, ObjectType, Prior
-from skolem.traces.reader import Trace
-from skolem.traces.rerun_eye import Eye
-from skolem.traces.rerun_labels import text_of, two_digits
-from skolem.traces.rerun_layout import half_size
-from skolem.traces.rerun_robot import Robot
-from skolem.traces.rerun_rows import Rows
-from skolem.traces.to_rerun import convert
+from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.scene.eye import Eye
+from skolem.traces.scene.labels import text_of, two_digits
+from skolem.traces.scene.layout import half_size
+from skolem.traces.scene.recording import convert
+from skolem.traces.scene.robot import Robot
+from skolem.traces.scene.rows import Rows
 
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.12), graspable=True)
 TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.68), graspable=False)

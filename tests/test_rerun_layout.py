@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from skolem.traces.rerun_eye import VIEW_PX, Eye
-from skolem.traces.rerun_layout import Seen, Wish, arrange, dots, half_size
+from skolem.traces.scene.eye import VIEW_PX, Eye
+from skolem.traces.scene.layout import Seen, Wish, arrange, dots, half_size
 
 ROOM = (800.0, 600.0)
 MIDDLE = (400.0, 300.0)

@@ -6,8 +6,8 @@ import rerun as rr
 from rerun.chunk import RrdReader
 
 from skolem.traces.messages import Plan, PlanStep
-from skolem.traces.rerun_plans import Plans, positions, tree, two_lines
-from skolem.traces.rerun_rows import Rows, When
+from skolem.traces.scene.plans import Plans, positions, tree, two_lines
+from skolem.traces.scene.rows import Rows, When
 
 
 def step(op: str, primitive: bool = True) -> PlanStep:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skolem.traces.messages import RegionBelief
-from skolem.traces.rerun_regions import cubes
+from skolem.traces.scene.regions import cubes
 
 FACE_M, HEIGHT_M = (0.8, 1.2), 0.3
 VOLUME_M3 = math.prod(FACE_M) * HEIGHT_M

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from skolem.traces.rerun_shapes import colour_word, point_on, rgba
+from skolem.traces.scene.shapes import colour_word, point_on, rgba
 
 
 @pytest.mark.parametrize(

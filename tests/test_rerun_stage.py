@@ -13,12 +13,12 @@ from rerun.chunk import RrdReader
 from views import eye_of
 
 from skolem.tools.viewing import pr2_model
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Belief, ObjectType, Prior, TrueObject, TrueState
-from skolem.traces.reader import Trace
-from skolem.traces.rerun_eye import VIEW_PX, Eye, framing
-from skolem.traces.rerun_shapes import Xyz, point_on
-from skolem.traces.rerun_stage import Stage
-from skolem.traces.to_rerun import Scene, convert
+from skolem.traces.scene.eye import VIEW_PX, Eye, framing
+from skolem.traces.scene.recording import Scene, convert
+from skolem.traces.scene.shapes import Xyz, point_on
+from skolem.traces.scene.stage import Stage
 
 FAR = (
     "robot.base.x=4.0",

@@ -10,8 +10,8 @@ import pytest
 from mcap.writer import Writer
 
 from skolem.tools import cli, watching
-from skolem.traces.reader import Trace
-from skolem.traces.writer import TraceWriter, partial_of
+from skolem.traces.file.reader import Trace
+from skolem.traces.file.writer import TraceWriter, partial_of
 
 GREEN = str(Path(__file__).parent.parent / "scenarios" / "sim1_green.yaml")
 

@@ -14,11 +14,11 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import AttachmentIndex, Channel, ChunkIndex, DataEnd, Footer, MetadataIndex, Schema, SummaryOffset
 from mcap.writer import CompressionType, Writer
 
-from skolem.traces.check import check
-from skolem.traces.chunks import MOST_BYTES
-from skolem.traces.container import pieces
 from skolem.traces.errors import TraceError
-from skolem.traces.reader import MAGIC, Trace
+from skolem.traces.file.check import check
+from skolem.traces.file.chunks import MOST_BYTES
+from skolem.traces.file.container import pieces
+from skolem.traces.file.reader import MAGIC, Trace
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from skolem.tools.live import Silence
 from skolem.tools.session import PARTS, Outcome, prepare, run, summary
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.errors import InputError
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Geometry, Plan, RunEnd, RunStart
-from skolem.traces.reader import Trace
 
 ROOT = Path(__file__).parent.parent
 GREEN, MOVED = ROOT / "scenarios" / "sim1_green.yaml", ROOT / "scenarios" / "sim1_moved.yaml"

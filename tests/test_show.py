@@ -11,8 +11,8 @@ from tampering import each, rewrite
 
 from skolem.tools import cli
 from skolem.tools.belief_table import COLUMNS
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Belief, Candidate, Decision, Plan, RunStart
-from skolem.traces.reader import Trace
 
 Called = Callable[..., tuple[int, str, str]]
 SCREAM = "\x1b]0;pwned\x07\x9b2J\u202e\nyes"

@@ -21,8 +21,8 @@ from skolem.tools import cli, session
 from skolem.tools.sweep_rows import Row, results_csv, times_csv
 from skolem.tools.sweep_task import Task, WorkerRefusedError, done_before, perform, tasks_of
 from skolem.tools.sweeping import seed_range
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import RunEnd
-from skolem.traces.reader import Trace
 
 ROOT = Path(__file__).parent.parent
 GREEN = ROOT / "scenarios" / "sim1_green.yaml"

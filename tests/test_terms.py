@@ -7,8 +7,7 @@ from itertools import pairwise
 
 import clingo
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from skolem.reasoner.terms import (
     CAP_MICRONATS,

@@ -10,9 +10,9 @@ from views import filmed, rows_of
 
 from skolem.tools.viewer import binary
 from skolem.tools.viewing import pr2_model
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Belief, Decision, Denotation, Plan, TrueState
-from skolem.traces.reader import Trace
-from skolem.traces.to_rerun import convert
+from skolem.traces.scene.recording import convert
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from mcap.records import Schema
 from tampering import each, rewrite
 
 from skolem.tools import cli
-from skolem.traces.check import check
-from skolem.traces.golden import MANIFEST, read_manifest
+from skolem.traces.compare.golden import MANIFEST, read_manifest
+from skolem.traces.file.check import check
 
 ROOT = Path(__file__).parent.parent
 

@@ -11,8 +11,8 @@ from skolem.tools import explain, rules
 from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action
-from skolem.traces.reader import Trace
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE = (DOCS / "tutorial.md").read_text(encoding="utf-8")

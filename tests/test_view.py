@@ -17,7 +17,7 @@ from skolem.tools import cli, viewing
 from skolem.tools.children import end
 from skolem.tools.watching import watched
 from skolem.traces.errors import InputError
-from skolem.traces.reader import Trace
+from skolem.traces.file.reader import Trace
 
 SKOLEM = [sys.executable, "-c", "from skolem.tools.cli import main; raise SystemExit(main())"]
 NOBODY = "unix:no-display-here"  # names a display that does not exist

@@ -23,8 +23,8 @@ from views import PICTURES, need_browser, need_driver
 from skolem.tools import viewer, viewing
 from skolem.tools.viewer import LOOPBACK, complaints
 from skolem.traces.errors import InputError
-from skolem.traces.reader import Trace
-from skolem.traces.writer import partial_of
+from skolem.traces.file.reader import Trace
+from skolem.traces.file.writer import partial_of
 
 pytestmark = pytest.mark.viewer
 SKOLEM = [sys.executable, "-c", "from skolem.tools.cli import main; raise SystemExit(main())"]
@@ -73,7 +73,7 @@ def test_a_recording_without_things_is_found_out(tmp_path: Path) -> None:
     """The measure by which the picture above is not empty."""
     import rerun as rr
 
-    from skolem.traces.blueprint import blueprint
+    from skolem.traces.scene.blueprint import blueprint
 
     need_driver()
     stream = rr.RecordingStream("skolem")

@@ -16,8 +16,8 @@ from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.stopwatch import Stopwatch
 from skolem.tools.what_if import Foreseen, ends_alike, foresee
 from skolem.traces.errors import InputError
+from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import Action, Command, Hand, Joints7, Message, MoveBase, Place, Weigh
-from skolem.traces.reader import Recorded
 
 RULES = Path(__file__).parent.parent / "rules"
 

@@ -22,14 +22,14 @@ from skolem.sim.symbolic import SymbolicWorld
 from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces import writer as writer_module
-from skolem.traces.container import Copy, pieces
-from skolem.traces.environment import PACKAGES, environment
 from skolem.traces.errors import InputError, InternalError, UnwrittenError
+from skolem.traces.file import writer as writer_module
+from skolem.traces.file.container import Copy, pieces
+from skolem.traces.file.environment import PACKAGES, environment
+from skolem.traces.file.reader import Trace
+from skolem.traces.file.recover import recover
+from skolem.traces.file.writer import CHUNK_BYTES, TraceWriter, partial_of
 from skolem.traces.messages import Action, Chain, Perf, RunEnd, TrueState, Verdict
-from skolem.traces.reader import Trace
-from skolem.traces.recover import recover
-from skolem.traces.writer import CHUNK_BYTES, TraceWriter, partial_of
 
 SAMPLE_RUN = Path(__file__).parent / "sample_run.py"
 STILL = Verdict(true=False)
@@ -220,7 +220,7 @@ def test_a_killed_process_leaves_every_closed_step(tmp_path: Path) -> None:
     """SIGKILL cannot be caught: what is lost is at most the step in which it came."""
     out = tmp_path / "a.mcap"
     script = (
-        "import runpy, sys, time; from pathlib import Path; from skolem.traces.writer import TraceWriter\n"
+        "import runpy, sys, time; from pathlib import Path; from skolem.traces.file.writer import TraceWriter\n"
         f"sample = runpy.run_path({str(SAMPLE_RUN)!r})\n"
         f"with TraceWriter(Path({str(out)!r}), attachments={{'scenario.yaml': b'x'}}, run={{}}, env={{}}) as writer:\n"
         "    writer.write('/run/start', sample['run_start'](), 0)\n"

@@ -13,9 +13,9 @@ from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
 from skolem.tools.viewing import pr2_model
-from skolem.traces.reader import Trace
-from skolem.traces.rerun_eye import Eye
-from skolem.traces.to_rerun import Scene
+from skolem.traces.file.reader import Trace
+from skolem.traces.scene.eye import Eye
+from skolem.traces.scene.recording import Scene
 
 DRIVERS = (Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d"))
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")

@@ -7,8 +7,8 @@ prior, and the pose of a held object `in hand`.
 import math
 from collections.abc import Mapping
 
-from skolem.traces.likeliest import likeliest
 from skolem.traces.messages import Belief, HsvBelief, HsvVolume, Meaning, ObjectBelief
+from skolem.traces.messages.likeliest import likeliest
 
 COLUMNS = ("anchor", "type d", "pose d", "color d", "weight d")
 POSE_SD_M = (0.01, 0.05)  # below the first a variance is low, above the second high

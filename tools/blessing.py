@@ -10,11 +10,19 @@ from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch
 from skolem.tools.trace_account import account
-from skolem.traces.check import check
-from skolem.traces.diff import by_step, compare, tolerance_for
+from skolem.traces.compare.diff import by_step, compare, tolerance_for
+from skolem.traces.compare.golden import (
+    MAX_BYTES,
+    Golden,
+    golden_path,
+    is_text,
+    keep_decisions,
+    read_manifest,
+    write_manifest,
+)
 from skolem.traces.errors import Fault, InputError, TraceError
-from skolem.traces.golden import MAX_BYTES, Golden, golden_path, is_text, keep_decisions, read_manifest, write_manifest
-from skolem.traces.reader import Trace
+from skolem.traces.file.check import check
+from skolem.traces.file.reader import Trace
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ from typing import Annotated
 import typer
 
 from skolem.tools.divergences import comparison_fields, divergence_lines
-from skolem.traces.decided import DECIDED, parting
-from skolem.traces.diff import Divergence, Tolerance, by_step, compare
+from skolem.traces.compare.decided import DECIDED, parting
+from skolem.traces.compare.diff import Divergence, Tolerance, by_step, compare
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import CLASS_OF, PERF
 from skolem.traces.printable import printable
-from skolem.traces.reader import Recorded, Trace
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 

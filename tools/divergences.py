@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 
-from skolem.traces.diff import Comparison
+from skolem.traces.compare.diff import Comparison
 
 MOST_FIELDS = 5  # counted fields that are printed
 

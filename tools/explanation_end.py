@@ -17,8 +17,8 @@ from skolem.tools.explanation_plans import planned
 from skolem.tools.explanation_refusals import Refusal, ruled_out
 from skolem.tools.recalled_geometry import NotRecordedError
 from skolem.tools.recorded_run import RecordedStep
-from skolem.traces.fluents import readable
 from skolem.traces.messages import Decision, Memory, Plan, RunEnd
+from skolem.traces.messages.fluents import readable
 
 DOUBTFUL = 0.5
 LOWEST_BOUND = 0.01  # what is believed less than this is not worth asking for

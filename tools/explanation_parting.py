@@ -7,7 +7,7 @@ from skolem.tools.recorded_rules import Rulebooks
 from skolem.tools.recorded_run import RecordedRun, RecordedStep
 from skolem.tools.replaying import Options, replay
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.diff import tolerance_for
+from skolem.traces.compare.diff import tolerance_for
 
 
 def parting(trace: Path, step: int, rulebooks: Rulebooks) -> int | None:

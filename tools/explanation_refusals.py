@@ -9,8 +9,8 @@ from skolem.reasoner.regression import Found, Offers, Subgoal, regress
 from skolem.reasoner.terms import Term, nll, parse_term
 from skolem.tools.explanation import Insight
 from skolem.tools.recalled_geometry import NotRecordedError
-from skolem.traces.fluents import readable
 from skolem.traces.messages import Memory, Plan, PlanStep
+from skolem.traces.messages.fluents import readable
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from skolem.tools.explanation_end import Ending
 from skolem.tools.explanation_objects import Choice, Option
 from skolem.tools.explanation_regions import RegionOption
 from skolem.tools.optimality import optimality
-from skolem.traces.fluents import readable
+from skolem.traces.messages.fluents import readable
 from skolem.traces.printable import printable
 
 

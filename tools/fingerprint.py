@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from skolem.traces.environment import environment
+from skolem.traces.file.environment import environment
 
 DECIDES_FLOATS: Final = (  # what may change the last digits of what the mind computes
     "python",

@@ -9,9 +9,9 @@ import typer
 
 from skolem.tools.optimality import optimality_of_all
 from skolem.tools.trace_account import Account, account
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import CLASS_OF
 from skolem.traces.printable import printable
-from skolem.traces.reader import Trace
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 

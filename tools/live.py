@@ -23,7 +23,6 @@ from skolem.reasoner.agent import Turn
 from skolem.tools.belief_table import COLUMNS, belief_rows
 from skolem.tools.plan_tree import plan_lines
 from skolem.tools.session import DROPPED, Setup
-from skolem.traces.fluents import readable
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,
@@ -35,6 +34,7 @@ from skolem.traces.messages import (
     Observation,
     Plan,
 )
+from skolem.traces.messages.fluents import readable
 
 UNSURE = 0.5  # anchors less likely to exist are shown dim
 WIDTH = 100

@@ -13,7 +13,7 @@ from skolem.tools.replaying import given_in
 from skolem.tools.rethinking import Given
 from skolem.tools.session import understood
 from skolem.traces.errors import Fault, InputError, TraceError
-from skolem.traces.made_of import SCENARIO
+from skolem.traces.file.made_of import SCENARIO
 
 THRESHOLD: Final = "threshold"
 NOT_TOLD: Final = ("goal", "limits")  # keys of a scenario that are of the mind, but not of what it is told

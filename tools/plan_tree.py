@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 
-from skolem.traces.fluents import readable
 from skolem.traces.messages import Action, Plan, PlanStep
+from skolem.traces.messages.fluents import readable
 
 _PLANNED = ("start", "refine")
 DROPPED = ("preimage_lost", "refused")  # causes for which plans are given up

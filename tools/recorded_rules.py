@@ -10,7 +10,7 @@ from skolem.reasoner.queries import Queries
 from skolem.reasoner.rule_files import RuleFile
 from skolem.reasoner.rulebook import RULE_FILES, Rulebook
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.made_of import RULES
+from skolem.traces.file.made_of import RULES
 
 
 @dataclass(frozen=True, slots=True)

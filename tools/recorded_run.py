@@ -7,11 +7,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
-from skolem.traces.codec import NO_CHAIN, counter_of
-from skolem.traces.diff import by_step
+from skolem.traces.compare.diff import by_step
 from skolem.traces.errors import TraceError
-from skolem.traces.known_fields import KnownFields
-from skolem.traces.made_of import digest, disagreements
+from skolem.traces.file.codec import NO_CHAIN, counter_of
+from skolem.traces.file.known_fields import KnownFields
+from skolem.traces.file.made_of import digest, disagreements
+from skolem.traces.file.reader import UNREADABLE, Recorded, Trace
 from skolem.traces.messages import (
     JSON_TOPICS,
     Action,
@@ -28,7 +29,6 @@ from skolem.traces.messages import (
     RunStart,
     canonical,
 )
-from skolem.traces.reader import UNREADABLE, Recorded, Trace
 
 DECISIONS = tuple(topic for topic in JSON_TOPICS if counter_of(topic) == "decision")
 CUT_SHORT = ("error", "interrupted")  # ends that the recorder wrote, not the mind

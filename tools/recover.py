@@ -7,8 +7,7 @@ from typing import Annotated
 
 import typer
 
-from skolem.traces.recover import Recovered
-from skolem.traces.recover import recover as recover_trace
+from skolem.traces.file.recover import Recovered, recover as recover_trace
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 

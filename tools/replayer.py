@@ -9,7 +9,7 @@ from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replay_reports import Report, Wanted
 from skolem.tools.replaying import Options, Replayed, replay
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.diff import tolerance_for
+from skolem.traces.compare.diff import tolerance_for
 from skolem.traces.errors import InputError, TraceError
 
 

@@ -11,10 +11,10 @@ from skolem.tools.recorded_rules import Rulebooks
 from skolem.tools.recorded_run import CUT_SHORT, RecordedRun, RecordedStep
 from skolem.tools.rethinking import Given, Rethinking, Thought
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.diff import Comparison, Tolerance
+from skolem.traces.compare.diff import Comparison, Tolerance
 from skolem.traces.errors import Fault, InputError, told
+from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import TICKS_PER_SECOND, Action, RunEnd
-from skolem.traces.reader import Recorded
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,8 +38,8 @@ def reproduce(
     from skolem.tools import fingerprint, reproducing
     from skolem.tools.divergences import comparison_fields, divergence_lines
     from skolem.tools.live import watcher_for
-    from skolem.traces.diff import tolerance_for
-    from skolem.traces.reader import Trace
+    from skolem.traces.compare.diff import tolerance_for
+    from skolem.traces.file.reader import Trace
 
     if keep is not None and keep.exists():
         raise InputError([Fault("--keep", 0, 0, f"{keep} exists and is not replaced; give another name")])

@@ -9,11 +9,11 @@ from skolem.tools.recorded_run import CUT_SHORT, check_made_of
 from skolem.tools.replaying import other_end
 from skolem.tools.session import Outcome, Setup, Watcher, run, understood
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.diff import Comparison, Tolerance, by_step
+from skolem.traces.compare.diff import Comparison, Tolerance, by_step
 from skolem.traces.errors import TraceError
-from skolem.traces.made_of import SCENARIO
+from skolem.traces.file.made_of import SCENARIO
+from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import CLASS_OF, PERF, RunEnd, RunStart
-from skolem.traces.reader import Recorded, Trace
 
 COMPARED = tuple(topic for topic, kind in CLASS_OF.items() if kind != PERF)
 

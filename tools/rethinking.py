@@ -9,10 +9,10 @@ from skolem.tools.mind import Mind
 from skolem.tools.recalled_geometry import RecalledGeometry
 from skolem.tools.recorded_run import RecordedRun, RecordedStep
 from skolem.tools.stopwatch import Stopwatch
-from skolem.traces.codec import HashChain, encode
 from skolem.traces.errors import Fault, InputError, told
+from skolem.traces.file.codec import HashChain, encode
+from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import CLASS_OF, INPUT, Action, Chain, Geometry, Limits, Message, Prior, RunEnd
-from skolem.traces.reader import Recorded
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from skolem.tools import session
 from skolem.tools.live import watcher_for
 from skolem.tools.stopwatch import Stopwatch
 from skolem.traces.errors import InputError, SkolemError, UnwrittenError
+from skolem.traces.file.writer import partial_of
 from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
-from skolem.traces.writer import partial_of
 
 EXIT: dict[RunStatus, int] = {
     "goal_achieved": 0,

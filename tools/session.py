@@ -36,10 +36,10 @@ from skolem.tools.source import SOURCE_SHA256
 from skolem.tools.stopwatch import ESTIMATION, MOTION_PLANNING, REASONING, Stopwatch
 from skolem.tools.verdict import verdict
 from skolem.traces import messages
-from skolem.traces.environment import environment
-from skolem.traces.made_of import RULES, SCENARIO
+from skolem.traces.file.environment import environment
+from skolem.traces.file.made_of import RULES, SCENARIO
+from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import Action, ActionResult, Observation, Pose4, RobotState, RunEnd, TrueState
-from skolem.traces.writer import TraceWriter
 
 LOADING, SENSING, PHYSICS = "loading", "rendering_and_detection", "physics"
 RECORDING = "recording"

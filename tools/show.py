@@ -10,9 +10,9 @@ import typer
 
 from skolem.tools.plan_tree import tree_lines
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Meaning, Plan, RunEnd, RunStart
 from skolem.traces.printable import printable
-from skolem.traces.reader import Trace
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 

@@ -9,8 +9,7 @@ from skolem.tools.optimality import optimality
 from skolem.tools.plan_tree import DROPPED, drop_line, plan_lines
 from skolem.tools.recorded_rules import rulebook_of
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.fluents import readable
-from skolem.traces.likeliest import likeliest
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,
@@ -25,7 +24,8 @@ from skolem.traces.messages import (
     Plan,
     RunEnd,
 )
-from skolem.traces.reader import Trace
+from skolem.traces.messages.fluents import readable
+from skolem.traces.messages.likeliest import likeliest
 
 TOPICS = ("/belief", "/denotation", "/plan", "/decision", "/action", "/action/result", "/obs", "/run/end")
 CANDIDATES = 12  # shown of one search, cheapest first

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from skolem.tools.session import DROPPED, PARTS
 from skolem.traces.errors import TraceError
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,
@@ -20,7 +21,6 @@ from skolem.traces.messages import (
     RunStatus,
     Verdict,
 )
-from skolem.traces.reader import Trace
 
 TIMES = (*PARTS, "total")
 

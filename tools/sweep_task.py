@@ -20,8 +20,8 @@ from skolem.tools.source import SOURCE_SHA256
 from skolem.tools.stopwatch import Stopwatch
 from skolem.tools.sweep_rows import Row, read_row
 from skolem.traces.errors import InputError, SkolemError, TraceError
+from skolem.traces.file.reader import Trace
 from skolem.traces.messages import RunStart
-from skolem.traces.reader import Trace
 
 BY_ITSELF = frozenset({"goal_achieved", "goal_unachievable", "limit_reached"})  # ends that another attempt would repeat
 HASH_DIGITS = 8

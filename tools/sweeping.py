@@ -14,7 +14,7 @@ from skolem.tools.sweep_report import ACHIEVED, Part, line, sections, summary, w
 from skolem.tools.sweep_rows import Row, put, results_csv, times_csv
 from skolem.tools.sweep_task import Task, done_before, tasks_of
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.interrupts import interrupts_held
+from skolem.traces.file.interrupts import interrupts_held
 from skolem.traces.messages import RunStatus
 
 INTERRUPTED = 130

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from skolem.traces.compare.golden import MANIFEST, Golden, read_manifest
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.golden import MANIFEST, Golden, read_manifest
 
 if TYPE_CHECKING:
     from skolem.tools.blessing import Blessed

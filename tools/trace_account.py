@@ -5,10 +5,10 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 from skolem.tools.plan_tree import DROPPED
-from skolem.traces.clock import time_ns
-from skolem.traces.codec import ContentHash
+from skolem.traces.file.clock import time_ns
+from skolem.traces.file.codec import ContentHash
+from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import TICKS_PER_SECOND, Action, Decision, Plan, RunEnd, RunStart, Verdict
-from skolem.traces.reader import Recorded, Trace
 
 COUNTED = ("/run/start", "/plan", "/decision", "/action", "/run/end", "/truth/verdict")
 OPERATOR = re.compile(r"\w+")

@@ -39,7 +39,7 @@ def view(
         raise InputError([Fault("--at", 0, 0, "says when the picture of --shot is taken; add --shot PICTURE.png")])
     from skolem.tools import viewing
     from skolem.tools.viewer import shoot
-    from skolem.traces.reader import Trace
+    from skolem.traces.file.reader import Trace
 
     if follow:
         viewing.follow_run(trace)

@@ -24,7 +24,7 @@ from rerun.experimental import ViewerClient
 
 from skolem.tools.children import NO_DISPLAY, end, end_with_parent, has_display
 from skolem.traces.errors import Fault, InputError, InternalError
-from skolem.traces.rerun_rows import SIM_TIME, STEP
+from skolem.traces.scene.rows import SIM_TIME, STEP
 
 LOOPBACK: Final = "127.0.0.1"
 READY_S, POLL_S = 60.0, 0.05

@@ -14,11 +14,11 @@ from skolem.sim.recording import BASE_FRAME
 from skolem.tools import viewer
 from skolem.tools.children import has_display
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.following import follow
+from skolem.traces.file.following import follow
+from skolem.traces.file.reader import MAGIC, Trace
 from skolem.traces.messages import TICKS_PER_SECOND, Action
-from skolem.traces.reader import MAGIC, Trace
-from skolem.traces.rerun_robot import RobotModel
-from skolem.traces.to_rerun import APPLICATION, Scene, convert
+from skolem.traces.scene.recording import APPLICATION, Scene, convert
+from skolem.traces.scene.robot import RobotModel
 
 POLL_S = 0.1
 

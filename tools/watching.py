@@ -13,7 +13,7 @@ from typing import IO, Final
 
 from skolem.tools.children import NO_DISPLAY, end, end_with_parent, has_display
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.writer import begin, discard
+from skolem.traces.file.writer import begin, discard
 
 NICE: Final = 10
 _SKOLEM: Final = "from skolem.tools.cli import main; raise SystemExit(main())"

@@ -1,8 +1,7 @@
 """B1: B(phi, p) says that phi is believed with probability at least p."""
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from minds import TableBelief, Thing
 from papers import Handler, at_five_percent, can, holds, posed
 

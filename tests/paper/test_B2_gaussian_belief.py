@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from minds import Normal
 from numpy.typing import NDArray
 from papers import Handler, at_five_percent, can, posed

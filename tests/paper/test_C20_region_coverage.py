@@ -1,8 +1,7 @@
 """C20: regions are a spatial structure of their own, of which some is seen and some is not."""
 
 from papers import at_five_percent, can
-from searches import BACK, FRONT, LEFT, REGION, RIGHT, TOP, Point, Searcher, told
-from searches import thing as known
+from searches import BACK, FRONT, LEFT, REGION, RIGHT, TOP, Point, Searcher, thing as known, told
 
 SCREEN = (1.1, 0.0, TOP, 0.0)
 

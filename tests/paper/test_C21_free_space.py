@@ -2,8 +2,7 @@
 
 import pytest
 from papers import at_five_percent, can
-from searches import BACK, FRONT, LEFT, REGION, RIGHT, TOP, Searcher, told
-from searches import thing as known
+from searches import BACK, FRONT, LEFT, REGION, RIGHT, TOP, Searcher, thing as known, told
 
 
 def test_space_seen_empty_makes_it_less_likely_that_something_is_hidden_there() -> None:

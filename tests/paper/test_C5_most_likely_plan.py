@@ -5,8 +5,7 @@ import math
 
 import clingo
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from minds import Region, TableBelief, Thing
 from papers import EXAMPLE_GOAL, NINE, example, planned, posed, steps_of
 

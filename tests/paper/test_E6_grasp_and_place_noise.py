@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from papers import Handler, at_five_percent, can
 from runs import Run, over, thing_in, with_physics
 from scipy.stats import chi2
-from tabletop import EXACT, TABLE_M, TYPES, near_table
-from tabletop import can as true_can
+from tabletop import EXACT, TABLE_M, TYPES, can as true_can, near_table
 
 from skolem.estimation import arm
 from skolem.sim.poses import compose4, inverse4, raised

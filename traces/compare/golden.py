@@ -1,0 +1,134 @@
+"""Golden traces: recorded runs that are kept beside the tests, decisions only, and the manifest that describes them."""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+from mcap.records import Channel, Chunk, DataEnd, Message as McapMessage, Metadata, Schema
+
+from skolem.traces.errors import Fault, InputError
+from skolem.traces.file.codec import CONTENT, ContentHash, counter_of
+from skolem.traces.file.container import Copy, contents, pieces
+from skolem.traces.file.reader import opened
+from skolem.traces.messages import Message
+
+MANIFEST = "MANIFEST.toml"
+MAX_BYTES = 200_000  # of one golden trace
+ONE_CHUNK_BYTES = 1 << 26  # a golden trace is one chunk: what repeats from step to step compresses best together
+HEAD = """# Recorded runs that every version must decide in the same way. Made by `skolem trace bless`, never by hand.
+# A table per trace: what was run, what it is for, why it was changed last, and what is in it.
+"""
+
+
+class Golden(Message):
+    """One golden trace, as the manifest describes it: how it is made, and, once it was, what is in it.
+
+    Attributes:
+        scenario: Path of the scenario file, from the root of the checkout.
+        seed: Of every draw.
+        world: Which simulator.
+        overrides: Changed values of the scenario, each `a.b=value`.
+        why: What this trace is for.
+        reason: Why it was made, or changed last.
+        decision_hash: Hash of what the robot sensed, believed and decided.
+        status: How the run ended.
+        steps: Executed actions.
+        operators: Operators and inference rules in its plans, sorted.
+        causes: Why its plan stack changed, sorted.
+    """
+
+    scenario: str
+    seed: int
+    world: Literal["pybullet", "symbolic"]
+    overrides: tuple[str, ...]
+    why: str
+    reason: str = ""
+    decision_hash: str = ""
+    status: str = ""
+    steps: int = 0
+    operators: tuple[str, ...] = ()
+    causes: tuple[str, ...] = ()
+
+
+def read_manifest(folder: Path) -> dict[str, Golden]:
+    """Return the golden traces of a folder by name, in the order of the manifest.
+
+    Raises:
+        InputError: If there is no manifest, or it cannot be read.
+    """
+    path = folder / MANIFEST
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        return {name: Golden.model_validate_json(json.dumps(table)) for name, table in tables.items()}
+    except OSError as error:
+        raise InputError([Fault(str(path), 0, 0, f"cannot be read: {error.strerror}")]) from error
+    except ValueError as error:
+        raise InputError([Fault(str(path), 0, 0, f"is not a manifest: {error}")]) from error
+
+
+def write_manifest(folder: Path, goldens: Mapping[str, Golden]) -> None:
+    """Write the manifest of a folder, sorted by name."""
+    tables = [HEAD, *(_table(name, goldens[name]) for name in sorted(goldens))]
+    (folder / MANIFEST).write_text("\n".join(tables), encoding="utf-8")
+
+
+def is_text(value: str) -> bool:
+    """Return whether a manifest can hold a text: one from the command line may have bytes that are no characters."""
+    return not any("\ud800" <= c <= "\udfff" for c in value)
+
+
+def golden_path(folder: Path, name: str) -> Path:
+    """Return where a golden trace lies."""
+    return folder / f"{name}.mcap"
+
+
+def keep_decisions(source: Path, target: Path) -> None:
+    """Copy a trace without the truth and without wall times: the same messages, so the same decision hash.
+
+    The hash of its content is that of what is kept.
+
+    Raises:
+        TraceError: If `source` cannot be read.
+        InputError: If `target` cannot be written.
+    """
+    with opened(source) as file, Copy(target, ONE_CHUNK_BYTES) as copy:
+        schemas: dict[int, Schema] = {}
+        kept = ContentHash()
+        for piece in pieces(file):
+            if isinstance(piece.record, DataEnd):
+                break
+            for record in contents(piece) if isinstance(piece.record, Chunk) else [piece.record]:
+                _copy_decision(record, schemas, copy, kept)
+        copy.end_chunk()
+        copy.add(Metadata(CONTENT, kept.metadata))
+
+
+def _copy_decision(record: object, schemas: dict[int, Schema], copy: Copy, kept: ContentHash) -> None:
+    """Copy a record unless it is, or belongs to, a channel without decisions."""
+    match record:
+        case Schema(id=number):
+            schemas[number] = record
+        case Channel(topic=topic, schema_id=number):
+            if counter_of(topic) == "decision":
+                copy.add(schemas[number])
+                copy.add(record)
+        case McapMessage(channel_id=number):
+            if copy.knows(number):
+                copy.add(record)
+                kept.add(copy.topic(number), record.data, record.log_time, record.sequence)
+        case Metadata(name=name) if name == CONTENT:
+            pass
+        case _:
+            copy.add(record)
+
+
+def _table(name: str, golden: Golden) -> str:
+    fields = golden.model_dump(mode="json")
+    return "\n".join([f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in fields.items()), ""])
+
+
+def _toml(value: object) -> str:
+    """Return a value in TOML: JSON's strings, numbers and arrays of strings are TOML's too, but for one character."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

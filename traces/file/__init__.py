@@ -1,0 +1,1 @@
+"""One MCAP file: written, read, followed while it grows, checked, recovered. May import: nothing but the vocabulary."""

@@ -1,0 +1,343 @@
+"""Whether a trace is sound: what can be said of a file by itself, without simulator, estimator or reasoner.
+
+The file is read once, from the beginning, with the memory of one chunk. The first fault ends the reading: what follows
+a fault may be a consequence of it.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from itertools import zip_longest
+from pathlib import Path
+from typing import Never
+
+from google.protobuf.message import Message as Protobuf
+from mcap.records import Attachment, Channel, Chunk, Message as McapMessage, Metadata, Schema
+from mcap.stream_reader import MAGIC_SIZE
+
+from skolem.traces.errors import TraceError
+from skolem.traces.file.clock import tick_at, time_ns
+from skolem.traces.file.codec import (
+    CONTENT,
+    ContentHash,
+    HashChain,
+    counter_of,
+    decode,
+    encode,
+    misfit,
+    schema_bytes,
+    schema_name,
+)
+from skolem.traces.file.container import DamageError, Piece, contents, pieces
+from skolem.traces.file.known_fields import KnownFields
+from skolem.traces.file.made_of import digest, disagreements
+from skolem.traces.file.reader import MAGIC, opened
+from skolem.traces.file.seal import Seal
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunEnd, RunStart, canonical
+
+RECOVER = "`skolem recover {path} -o GOOD.mcap` saves every message that is whole"
+OLDER = "remark: this skolem has other schemas for {topics}; it reads these messages, and the schemas are not compared"
+HASHLESS = "remark: no hash of its content stands in the trace: that the truth is as it was written cannot be told"
+CHANGED = "not as the hash of the content says that it was: a message was changed, dropped or moved"
+AGAIN = "take the file from where it was recorded; nothing can tell what it said there"
+FOREIGN = "this skolem cannot read it; use the version that recorded it (`skolem info` names it)"
+KILLED = "the run was killed; what is recorded can be read, shown and replayed as far as it goes"
+ENCODINGS = {True: ("jsonschema", "json"), False: ("protobuf", "protobuf")}  # by whether the topic is JSON
+
+
+@dataclass(frozen=True, slots=True)
+class Flaw:
+    """The first thing that is wrong with a trace.
+
+    Attributes:
+        message: What is wrong.
+        remedy: What to do.
+        byte: Where in the file the record begins that shows it (for a message, its chunk); None for the whole file.
+        number: Which message, counted from 0 in file order; None if it is no message.
+        topic: Of that message.
+        step: Of the decision that message belongs to; None before the first.
+    """
+
+    message: str
+    remedy: str
+    byte: int | None = None
+    number: int | None = None
+    topic: str | None = None
+    step: int | None = None
+
+    def __str__(self) -> str:
+        """Return place and message, and the remedy on a line of its own."""
+        return f"{self.place}{self.message}\n    {self.remedy}"
+
+    @property
+    def place(self) -> str:
+        """The place in words, with a colon; empty for the whole file."""
+        parts = [
+            *([] if self.number is None else [f"message {self.number}"]),
+            *([] if self.topic is None else [self.topic]),
+            *([] if self.step is None else [f"step {self.step}"]),
+            *([] if self.byte is None else [f"{'byte' if self.number is None else 'chunk at byte'} {self.byte}"]),
+        ]
+        return f"{', '.join(parts)}: " if parts else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """The result of checking one file.
+
+    Attributes:
+        path: The file.
+        flaw: The first fault; None if the trace is sound.
+        messages: Messages read, to the end or to the fault.
+        steps: Executed actions among them.
+        content_hash: Of what was read but wall times.
+        decision_hash: Of what the robot sensed, believed and decided.
+        remarks: What is unusual and no fault.
+    """
+
+    path: Path
+    flaw: Flaw | None
+    messages: int
+    steps: int
+    content_hash: str
+    decision_hash: str
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing is wrong."""
+        return self.flaw is None
+
+
+def check(path: Path) -> Checked:
+    """Read a trace from end to end and return the first fault, if there is one."""
+    examiner = _Examiner()
+    flaw = _first_flaw(path, examiner)
+    hashes = examiner.hashes
+    return Checked(path, flaw, examiner.number, examiner.results, hashes.content, hashes.decision, examiner.remarks)
+
+
+def _first_flaw(path: Path, examiner: "_Examiner") -> Flaw | None:
+    try:
+        with opened(path) as file:
+            seal = Seal()
+            for piece in pieces(file):
+                seal.take(piece)
+                for record in examiner.take(piece):
+                    seal.take_inner(piece.byte, record)
+            if file.read(MAGIC_SIZE + 1) != MAGIC:
+                raise DamageError(file.tell(), "the file does not end as an MCAP file")
+        examiner.end()
+    except _UnsoundError as unsound:
+        return unsound.flaw
+    except DamageError as damage:
+        return Flaw(damage.message, RECOVER.format(path=path), byte=damage.byte)
+    except TraceError as error:
+        return Flaw(str(error).removeprefix(f"{path}: "), "name a file that `skolem run` has written", byte=0)
+    return None
+
+
+class _UnsoundError(Exception):
+    def __init__(self, flaw: Flaw) -> None:
+        self.flaw = flaw
+
+
+_expected_schema = cache(schema_bytes)
+
+
+class _Examiner:
+    """What a trace says, compared with itself."""
+
+    def __init__(self) -> None:
+        self.hashes = ContentHash()
+        self.number = self.results = 0
+        self._chain = HashChain()
+        self._counters = {"decision": 0, "truth": 0, "perf": 0}
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, str] = {}
+        self._older: dict[str, KnownFields | None] = {}  # by topic whose schema is not this version's; None of protobuf
+        self._attached: dict[str, str] = {}
+        self._metadata: dict[str, dict[str, str]] = {}
+        self._start: RunStart | None = None
+        self._ended = False
+        self._log_time_ns = 0
+        self._step: int | None = None
+        self._byte: int | None = MAGIC_SIZE
+        self._topic: str | None = None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is unusual so far, and no fault."""
+        older = (OLDER.format(topics=", ".join(sorted(self._older))),) if self._older else ()
+        return older if CONTENT in self._metadata else (*older, HASHLESS)
+
+    def take(self, piece: Piece) -> list[Schema | Channel | McapMessage]:
+        """Take in the next record of the container; return the records inside, if it is a chunk.
+
+        Raises:
+            _UnsoundError: At the first fault.
+        """
+        self._byte = piece.byte
+        match piece.record:
+            case Metadata(name=name) | Attachment(name=name):
+                self._take_file(name, piece.record)
+            case Chunk():
+                self._check_version()
+                inside = contents(piece)
+                for record in inside:
+                    self._take_inner(record)
+                return inside
+            case McapMessage():
+                self._fail("a message stands outside of the chunks, where a trace has none", FOREIGN)
+            case _:
+                pass
+        return []
+
+    def _take_file(self, name: str, record: Metadata | Attachment) -> None:
+        """Take in what the run was made of, which stands before its first message, and what it came to: each once."""
+        known = self._metadata if isinstance(record, Metadata) else self._attached
+        if name in known or (self.number and (known is self._attached or name != CONTENT)):
+            self._fail(f"{name} is there twice, or after the first message", AGAIN)
+        if isinstance(record, Metadata):
+            self._metadata[name] = record.metadata
+        else:
+            self._attached[name] = digest(record.data)
+
+    def _take_inner(self, record: Schema | Channel | McapMessage) -> None:
+        match record:
+            case Schema(id=number):
+                self._schemas[number] = record
+            case Channel():
+                self._take_channel(record)
+            case McapMessage(channel_id=number):
+                if number not in self._channels:
+                    self._fail(f"belongs to channel {number}, which does not exist", AGAIN)
+                self._topic = self._channels[number]
+                self._take_message(self._topic, record)
+                self._topic = None
+                self.number += 1
+
+    def _check_version(self) -> None:
+        written = self._metadata.get("run", {}).get("schema_version")
+        if written is None:
+            self._fail("an MCAP file, but not a trace: its metadata names no schema version", FOREIGN)
+        if written != str(SCHEMA_VERSION):
+            self._fail(f"has schema version {written}, known is {SCHEMA_VERSION}", FOREIGN)
+
+    def _take_channel(self, channel: Channel) -> None:
+        """Compare a topic's schema with the one this version would write; fields may have been added since."""
+        topic, schema = channel.topic, self._schemas.get(channel.schema_id)
+        if topic not in CLASS_OF:
+            self._fail(f"there is no topic {topic}", FOREIGN)
+        schema_encoding, encoding = ENCODINGS[topic in JSON_TOPICS]
+        if schema is None or (schema.name, schema.encoding) != (schema_name(topic), schema_encoding):
+            found = "none" if schema is None else f"{schema.encoding} {schema.name}"
+            self._fail(f"{topic} has the schema {found}, expected {schema_encoding} {schema_name(topic)}", FOREIGN)
+        if channel.message_encoding != encoding:
+            self._fail(f"messages of {topic} are {channel.message_encoding}, expected {encoding}", FOREIGN)
+        if schema.data != _expected_schema(topic):
+            self._older[topic] = self._known_fields(topic, schema) if topic in JSON_TOPICS else None
+        self._channels[channel.id] = topic
+
+    def _known_fields(self, topic: str, schema: Schema) -> KnownFields:
+        try:
+            return KnownFields(schema.data)
+        except ValueError:
+            self._fail(f"the schema of {topic} is no JSON Schema", AGAIN)
+
+    def _take_message(self, topic: str, record: McapMessage) -> None:
+        """Compare a message with those before and with its own schema."""
+        message, counter = self._decoded(topic, record.data), counter_of(topic)
+        if counter == "decision":
+            self._step = getattr(message, "step", self._step)
+        expected = self._counters[counter]
+        if record.sequence != expected:
+            said = f"is {counter} message {record.sequence}, expected {expected}: dropped, repeated or moved"
+            self._fail(said, AGAIN)
+        if record.log_time < self._log_time_ns:
+            self._fail(f"its time {record.log_time} ns is before {self._log_time_ns} ns", AGAIN)
+        if record.publish_time != record.log_time or time_ns(tick_at(record.log_time)) != record.log_time:
+            self._fail(f"its time {record.log_time} ns is not that of a tick", AGAIN)
+        if self._start is None and topic != "/run/start":
+            self._fail("comes before /run/start", AGAIN)
+        if counter == "decision":
+            self._check_order(topic, message)
+        if isinstance(message, Chain) and message.chain != self._chain.close():
+            self._fail("the chain does not fit: a message since the link before was changed, dropped or moved", AGAIN)
+        self._chain.add(topic, record.data)
+        self.hashes.add(topic, record.data, record.log_time, record.sequence)
+        self._counters[counter] += 1
+        self._log_time_ns = record.log_time
+        self.results += topic == "/action/result"
+
+    def _decoded(self, topic: str, data: bytes) -> object:
+        try:
+            message = decode(topic, data)
+        except ValueError as error:
+            self._fail(misfit(error), FOREIGN if topic in self._older else AGAIN)
+        written = self._encoded(topic, message)
+        if written is not None and written != data:
+            byte = next((i for i, (a, b) in enumerate(zip(written, data, strict=False)) if a != b), len(written))
+            self._fail(f"is not written canonically, from byte {byte} of the message on", AGAIN)
+        return message
+
+    def _encoded(self, topic: str, message: Message | Protobuf) -> bytes | None:
+        """Return a message as the version that wrote it would have; None if that cannot be told."""
+        if topic not in self._older:
+            return encode(topic, message)
+        known = self._older[topic]
+        if not known or not isinstance(message, Message):
+            return None
+        try:
+            return canonical(known.of(message.model_dump(mode="json")))
+        except ValueError as error:
+            self._fail(f"the schema of {topic} is none that a trace can have: {error}", AGAIN)
+
+    def _check_order(self, topic: str, message: object) -> None:
+        """See to it that the run begins with its start and ends with its end."""
+        if self._start is not None and topic == "/run/start":
+            self._fail("the run starts twice", AGAIN)
+        if self._ended:
+            self._fail("comes after /run/end", AGAIN)
+        self._ended = topic == "/run/end"
+        if isinstance(message, RunEnd) and message.steps != self.results:
+            self._fail(f"says that there were {message.steps} steps, and there are {self.results}", AGAIN)
+        if isinstance(message, RunStart):
+            self._start = message
+            for said in disagreements(message, self._attached, self._metadata["run"]):
+                self._fail(said, AGAIN)
+
+    def end(self) -> None:
+        """Take notice that the container has ended.
+
+        Raises:
+            _UnsoundError: If the run has not, or its content is not what the trace says it was.
+        """
+        self._byte = None
+        if self._start is None:
+            self._fail("the trace holds no /run/start", FOREIGN)
+        if not self._ended:
+            raise _UnsoundError(Flaw(f"/run/end is missing after {self.results} steps", KILLED))
+        self._compare_content()
+
+    def _compare_content(self) -> None:
+        """Compare all but wall times, and their order, with the hash that the writer put behind them."""
+        written = self._metadata.get(CONTENT)
+        if written is None or written == self.hashes.metadata:
+            return
+        steps = zip_longest(written.get("steps", "").split(), self.hashes.steps)
+        step = next((number for number, (then, now) in enumerate(steps) if then != now), None)
+        place = "what follows the last step" if step is None else "what was recorded since the step before"
+        raise _UnsoundError(Flaw(f"{place} is {CHANGED}", AGAIN, step=step))
+
+    def _fail(self, message: str, remedy: str) -> Never:
+        in_message = self._topic is not None
+        raise _UnsoundError(
+            Flaw(
+                message,
+                remedy,
+                self._byte,
+                self.number if in_message else None,
+                self._topic,
+                self._step if in_message else None,
+            )
+        )

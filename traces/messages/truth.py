@@ -1,0 +1,33 @@
+"""The simulated world as it is. The robot never reads these."""
+
+from pydantic import Field
+
+from skolem.traces.messages.base import Hand, Message, Pose2, Pose4, Step
+
+
+class TrueObject(Message):
+    """What an object of the simulated world really is."""
+
+    id: str
+    type: str
+    world_T_object: Pose4
+    hsv: tuple[float, float, float]
+    kg: float
+    on: str | None = None
+    in_hand: Hand | None = None
+
+
+class TrueState(Message):
+    """The simulated world: for verdicts and viewers, never for the robot."""
+
+    step: Step
+    world_T_base: Pose2
+    objects: tuple[TrueObject, ...]
+    sha256: str = Field(description="of joint and body positions and velocities, little-endian float64")
+
+
+class Verdict(Message):
+    """Whether the goal, read against the true world, holds."""
+
+    true: bool
+    witness: str | None = Field(default=None, description="a true object that makes it so")

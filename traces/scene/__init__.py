@@ -1,0 +1,1 @@
+"""A trace as a recording for rerun: bodies, beliefs, plans and plots. May import: file."""

@@ -1,0 +1,136 @@
+"""The plan stack in a rerun recording, laid out as a tree: a layer refines the marked step of the layer above.
+
+Green: the step that is carried out next. White: the steps it refines. Grey: what comes after them; blue: inferences
+among these. Red, below: plans that were dropped in this step, and what was no longer so.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import rerun as rr
+
+from skolem.traces.messages import Plan, PlanStep
+from skolem.traces.messages.fluents import readable
+from skolem.traces.scene.rows import Rows, When
+
+_NEXT, _MARKED, _LATER, _INFERRED, _DROPPED, _LOST = (
+    (90, 230, 90),
+    (255, 255, 255),
+    (150, 150, 150),
+    (120, 160, 235),
+    (240, 90, 80),
+    (170, 95, 90),
+)
+_LETTER, _MARGIN, _GAP, _ROW = 6.6, 18.0, 14.0, 62.0  # in the units of the view, points at its natural size
+_REASONS = {"preimage_lost": "dropped", "refused": "cannot be done here"}
+_MOST_REASONS = 3
+Rgb = tuple[int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A box of the drawn tree.
+
+    Attributes:
+        id: Unique in the tree.
+        label: One line or two.
+        colour: Of box and text.
+        parent: The node it hangs on; empty: none.
+    """
+
+    id: str
+    label: str
+    colour: Rgb
+    parent: str = ""
+
+    @property
+    def width(self) -> float:
+        """Width of the box."""
+        return _LETTER * max(map(len, self.label.split("\n"))) + _MARGIN
+
+
+class Plans:
+    """Draws the plan stack whenever it changes."""
+
+    def __init__(self, rows: Rows, goal: str) -> None:
+        """Begin with the goal alone."""
+        self._rows, self._goal = rows, goal
+        self._layers: tuple[tuple[PlanStep, ...], ...] = ()
+        self._current: tuple[int, ...] = ()
+        self._dropped: list[list[Node]] = []
+
+    def step_begins(self, when: When) -> None:
+        """Show what was dropped no longer."""
+        if self._dropped:
+            self._dropped = []
+            self._draw(when)
+
+    def changed(self, plan: Plan, when: When) -> None:
+        """Draw the stack as it is now."""
+        if plan.cause in _REASONS and len(plan.layers) < len(self._layers):
+            self._dropped.append(self._what_was_dropped(plan))
+        self._layers, self._current = plan.layers, plan.current
+        self._draw(when)
+
+    def _what_was_dropped(self, plan: Plan) -> list[Node]:
+        """Return the reason and the uppermost dropped plan as a row of nodes."""
+        kept, number = len(plan.layers), len(self._dropped)
+        false = [readable(fluent) for fluent in plan.false_fluents]
+        more = [f"and {len(false) - _MOST_REASONS} more"] if len(false) > _MOST_REASONS else []
+        reason = "\n".join([_REASONS[plan.cause] + ":", *false[:_MOST_REASONS], *more])
+        below = len(self._layers) - kept - 1
+        steps = [Node(f"x{number}.{i}", two_lines(step.op), _LOST) for i, step in enumerate(self._layers[kept])]
+        rest = [Node(f"x{number}.rest", f"and what\nrefined it ({below})", _LOST)] if below else []
+        return [Node(f"x{number}", reason, _DROPPED), *steps, *rest]
+
+    def _draw(self, when: When) -> None:
+        rows = [*tree(self._goal, self._layers, self._current), *self._dropped]
+        nodes = [node for row in rows for node in row]
+        self._rows.add(
+            "plan",
+            when,
+            rr.GraphNodes(
+                [node.id for node in nodes],
+                positions=positions(rows),
+                colors=[node.colour for node in nodes],
+                labels=[node.label for node in nodes],
+                show_labels=True,
+            ),
+            rr.GraphEdges([(node.parent, node.id) for node in nodes if node.parent], graph_type="directed"),
+        )
+
+
+def tree(goal: str, layers: Sequence[Sequence[PlanStep]], current: Sequence[int]) -> list[list[Node]]:
+    """Return the rows of the tree, the goal first; each row hangs on the marked step of the row above."""
+    rows = [[Node("goal", goal, _MARKED)]]
+    parent = "goal"
+    for depth, (layer, chosen) in enumerate(zip(layers, current, strict=True)):
+        last = depth == len(layers) - 1
+        row = []
+        for i, step in enumerate(layer):
+            colour = _INFERRED if not step.primitive else _LATER
+            if i == chosen:
+                colour = _NEXT if last else _MARKED
+            row.append(Node(f"{depth}.{i}", two_lines(step.op), colour, parent))
+        rows.append(row)
+        parent = f"{depth}.{chosen}"
+    return rows
+
+
+def positions(rows: Sequence[Sequence[Node]]) -> list[tuple[float, float]]:
+    """Return the middle of each node, row by row; rows are centred and nothing overlaps."""
+    found: list[tuple[float, float]] = []
+    y = 0.0
+    for row in rows:
+        x = -(sum(node.width for node in row) + _GAP * (len(row) - 1)) / 2.0
+        for node in row:
+            found.append((x + node.width / 2.0, y))
+            x += node.width + _GAP
+        y += _ROW
+    return found
+
+
+def two_lines(op: str) -> str:
+    """Return an operator with its arguments on a line of their own: half as wide."""
+    name, bracket, arguments = op.partition("(")
+    return f"{name}\n{bracket}{arguments}" if bracket else op

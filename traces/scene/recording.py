@@ -1,0 +1,200 @@
+"""A trace as a rerun recording: the robot, the true and the believed things, what was seen, planned and decided.
+
+The recording is a function of the trace and of what the robot looks like; nothing else goes in. Messages may come all
+at once from a finished trace, or bit by bit from one that is being written.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import rerun as rr
+
+from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.messages import (
+    Action,
+    Belief,
+    Denotation,
+    ObjectType,
+    Observation,
+    Plan,
+    Prior,
+    RunEnd,
+    RunStart,
+    TrueState,
+)
+from skolem.traces.scene.belief import Beliefs
+from skolem.traces.scene.blueprint import blueprint
+from skolem.traces.scene.camera import Camera
+from skolem.traces.scene.eye import Eye
+from skolem.traces.scene.labels import Labels
+from skolem.traces.scene.log import Log
+from skolem.traces.scene.plans import Plans
+from skolem.traces.scene.plots import Plots
+from skolem.traces.scene.regions import Regions
+from skolem.traces.scene.robot import Robot, RobotModel
+from skolem.traces.scene.rows import Rows, When
+from skolem.traces.scene.shapes import FRAME
+from skolem.traces.scene.stage import Stage
+from skolem.traces.scene.truth import Truth
+
+APPLICATION: Final = "skolem"  # a dot in it would make the viewer warn
+
+
+def convert(trace: Trace, out: Path, model: RobotModel) -> None:
+    """Write a trace as a rerun recording, with the layout in which it is best looked at.
+
+    Raises:
+        TraceError: If the trace holds a message that does not follow its schema.
+        OSError: If the recording cannot be written.
+    """
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.open("wb").close()  # rerun itself would only log that it cannot
+    stream = rr.RecordingStream(APPLICATION, recording_id=trace.path.stem)
+    stream.save(out)
+    scene = Scene(stream, model)
+    scene.survey(trace)
+    for recorded in trace.messages(*scene.topics):
+        scene.take(recorded)
+    scene.flush(ended=True)
+    stream.flush()
+    stream.disconnect()
+
+
+# How a thing is drawn of whose type nothing is recorded, as in what was recovered of a damaged trace.
+_UNKNOWN: Final = ObjectType(shape="box", size_m=(0.06, 0.06, 0.06), graspable=True)
+
+
+class Scene:
+    """Draws the messages of a run into a recording, one after the other.
+
+    Attributes:
+        topics: What there is to look at.
+        eye: From where it is looked at first, and labels are laid out for; None before it is known.
+    """
+
+    def __init__(self, stream: rr.RecordingStream, model: RobotModel) -> None:
+        """Send what holds at all times.
+
+        Args:
+            stream: The recording.
+            model: What the robot looks like.
+        """
+        stream.log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, FRAME, static=True, strict=True)
+        self._rows = rows = Rows(stream)
+        self._robot = Robot(rows, model)
+        self._camera = Camera(rows, model.base_link)
+        self._truth, self._beliefs, self._regions = Truth(rows), Beliefs(rows), Regions(rows)
+        self._labels = Labels(rows)
+        self._plots, self._log = Plots(rows), Log(rows)
+        self._plans = Plans(rows, "")
+        self._types = defaultdict[str, ObjectType](lambda: _UNKNOWN)
+        self._step = 0
+        self._belief: tuple[Belief, When] | None = None
+        self._stage = Stage(self._robot.limbs)
+        self.eye: Eye | None = None
+        self._laid_out: tuple[bool, Eye | None] | None = None
+        self._takers: dict[str, Callable[[Any, When], None]] = {
+            "/run/start": self._started,
+            "/prior": self._told,
+            "/belief": self._believed,
+            "/denotation": self._meant,
+            "/plan": self._planned,
+            "/decision": self._log.decided,
+            "/action": self._acted,
+            "/action/result": self._log.resulted,
+            "/obs": self._observed,
+            "/run/end": self._ended,
+            "/truth/state": self._is,
+            "/truth/verdict": self._log.judged,
+            "/robot/joint_states": self._robot.joints,
+            "/tf": lambda message, when: self._truth.moved(message, when, self._types),
+            "/camera/rgb": self._camera.picture,
+            "/camera/info": lambda message, _: self._camera.calibrated(message),
+        }
+        self.topics = tuple(self._takers)
+
+    def survey(self, run: Trace) -> None:
+        """Choose the eye for a whole run, before its first message is taken; otherwise the first belief decides."""
+        types, stage = self._types.copy(), self._stage
+        for recorded in run.messages("/prior", "/truth/state", "/belief"):
+            message = recorded.message
+            if isinstance(message, Prior):
+                types.update(message.types)
+            elif isinstance(message, TrueState):
+                stage.state(message, types)
+            elif isinstance(message, Belief):
+                stage.believed(message, types)
+        self.eye = stage.eye()
+
+    def take(self, recorded: Recorded) -> None:
+        """Draw a message of one of the topics; others are nothing to look at."""
+        if recorded.topic not in self._takers:
+            return
+        message = recorded.message
+        if isinstance(message, Belief):
+            self._step = message.step
+        self._takers[recorded.topic](message, When(recorded.tick, self._step))
+
+    def flush(self, ended: bool = False) -> None:
+        """Send what was drawn, and the layout when more is known of it: that there are pictures, or how far axes go."""
+        self._robot.flush()
+        self._rows.flush()
+        layout = self._camera.pictures, self.eye
+        if ended or self._laid_out != layout:
+            self._laid_out = layout
+            axis = self._plots.entropy_axis if ended else None
+            self._rows.stream.send_blueprint(blueprint(*layout, axis))
+
+    def _started(self, message: RunStart, when: When) -> None:
+        self._plans = Plans(self._rows, message.goal)
+
+    def _told(self, message: Prior, when: When) -> None:
+        self._types.update(message.types)
+
+    def _is(self, message: TrueState, when: When) -> None:
+        self._truth.state(message, when, self._types)
+        if self.eye is None:
+            self._stage.state(message, self._types)
+
+    def _believed(self, message: Belief, when: When) -> None:
+        """Draw a belief but for its labels: P(Den) stands in them, and comes next if it is recorded."""
+        self._belief = message, when
+        if self.eye is None:
+            self._stage.believed(message, self._types)
+            self.eye = self._stage.eye(going_on=True)
+        self._robot.believed(message, when)
+        self._beliefs.believed(message, when, self._types)
+        self._regions.believed(message, when, self._types)
+        self._plots.believed(message, when)
+        self._plans.step_begins(when)
+
+    def _meant(self, message: Denotation, when: When) -> None:
+        self._plots.meant(message, when)
+        self._label(message)
+
+    def _label(self, denotation: Denotation | None) -> None:
+        if self._belief is not None:
+            belief, when = self._belief
+            self._belief = None
+            things, limbs = self._truth.things(self._types), self._robot.limbs(belief)
+            assert self.eye is not None, "the first belief decides"
+            self._labels.believed(self.eye, belief, denotation, when, self._types, things, limbs)
+
+    def _planned(self, message: Plan, when: When) -> None:
+        self._plans.changed(message, when)
+        self._log.planned(message, when)
+
+    def _acted(self, message: Action, when: When) -> None:
+        self._label(None)
+        self._log.acted(message, when)
+        self._step = message.step + 1
+
+    def _ended(self, message: RunEnd, when: When) -> None:
+        self._label(None)
+        self._log.ended(message, when)
+
+    def _observed(self, message: Observation, when: When) -> None:
+        self._camera.observed(message, when, self._types)
+        self._log.observed(message, when)

@@ -1,0 +1,101 @@
+"""What there is to see of the world in the picture, and how much it is worth not to be covered by labels."""
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+from skolem.traces.messages import Belief, ObjectBelief, ObjectType, RegionBelief
+from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.scene.belief import SIGMAS
+from skolem.traces.scene.eye import Eye
+from skolem.traces.scene.layout import Seen, around, dots
+from skolem.traces.scene.shapes import Xyz, point_on
+from skolem.traces.scene.stage import Limb
+
+UNSURE: Final = 0.5  # anchors less likely to exist are drawn without label
+_EDGE_PX, _LIMB_M = 14.0, 0.40  # as thick as the outline of a region and a limb of the robot count
+_EDGE_WORTH_PX, _TOP_WORTH_PX, _LEG_WORTH_PX, _LIMB_WORTH_PX = 200.0, 45.0, 150.0, 3000.0  # of such a piece: see Seen
+_THING_WORTH_PX, _THING_PX = 500.0, 18.0  # of a thing, and of how much around it: a label there reads as its own
+_SHORT_M: Final = 0.02  # shorter limbs are not to be seen
+
+
+def in_sight(
+    eye: Eye,
+    belief: Belief,
+    types: Mapping[str, ObjectType],
+    things: Iterable[Sequence[Xyz]],
+    limbs: Iterable[Limb],
+) -> list[Seen]:
+    """Return all that is better not covered.
+
+    Args:
+        eye: From where it is seen.
+        belief: What is believed, and drawn.
+        types: What objects can be.
+        things: Corners of each true thing that is to be seen [m].
+        limbs: Start and end of each of the robot's limbs [m].
+    """
+    found = [_thing(eye, corners) for corners in things]
+    return [*found, *_believed(eye, belief, types), *_edges(eye, belief, types), *_limbs(eye, limbs)]
+
+
+def kinds(belief: Belief, types: Mapping[str, ObjectType]) -> list[tuple[str, ObjectBelief, ObjectType]]:
+    """Return the objects that are likely to exist, and what they most likely are."""
+    found = ((anchor, belief.objects[anchor]) for anchor in belief.anchors)
+    return [(anchor, known, types[likeliest(known.type)]) for anchor, known in found if known.exists >= UNSURE]
+
+
+def region_corners(belief: Belief, region: RegionBelief, types: Mapping[str, ObjectType]) -> list[Xyz]:
+    """Return the corners of a region in the world [m]: each two that differ in one of three bits bound an edge."""
+    support = belief.objects[region.support]
+    x, y, z = types[likeliest(support.type)].size_m
+    corners = itertools.product((-x / 2.0, x / 2.0), (-y / 2.0, y / 2.0), (z, z + region.height_m))
+    return [point_on(support.world_T_object, corner) for corner in corners]
+
+
+def _edges(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[Seen]:
+    """Return the outlines of regions, and tables' legs and the edges of their tops, as something to be seen."""
+    found = []
+    for region in belief.regions.values():
+        pixels = eye.pixels(region_corners(belief, region, types))[:, :2]
+        for one, bit in itertools.product(range(len(pixels)), (1, 2, 4)):
+            if not one & bit:
+                found += dots(pixels[one], pixels[one | bit], _EDGE_PX, _EDGE_WORTH_PX)
+    for _, known, kind in kinds(belief, types):
+        if kind.shape == "table":
+            x, y, z = kind.size_m
+            corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
+            points = [point_on(known.world_T_object, (u / 2.0, v / 2.0, h)) for h in (z, 0.0) for u, v in corners]
+            pixels = eye.pixels(points)[:, :2]
+            for i, above in enumerate(pixels[:4]):
+                found += dots(above, pixels[(i + 1) % 4], _EDGE_PX, _TOP_WORTH_PX)
+                found += dots(above, pixels[i + 4], _EDGE_PX, _LEG_WORTH_PX)
+    return found
+
+
+def _believed(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[Seen]:
+    """Return the believed objects as something to be seen, tables apart, and how unsure their places are."""
+    found = []
+    for _, known, kind in kinds(belief, types):
+        if kind.shape != "table":
+            x, y, z = kind.size_m
+            spread = SIGMAS * float(max(known.covariance[0], known.covariance[3])) ** 0.5
+            wide = [(i * max(x / 2.0, spread), j * max(y / 2.0, spread), z) for i in (-1, 1) for j in (-1, 1)]
+            corners = [*wide, *((i * x / 2.0, j * y / 2.0, 0.0) for i in (-1, 1) for j in (-1, 1))]
+            found.append(_thing(eye, [point_on(known.world_T_object, corner) for corner in corners]))
+    return found
+
+
+def _limbs(eye: Eye, limbs: Iterable[Limb]) -> list[Seen]:
+    """Return limbs as something to be seen."""
+    long = [limb for limb in limbs if math.dist(*limb) > _SHORT_M]
+    pixels = eye.pixels(point for limb in long for point in limb)
+    found = []
+    for start, end in zip(pixels[::2], pixels[1::2], strict=True):
+        found += dots(start[:2], end[:2], 2.0 * _LIMB_M / float(start[2] + end[2]), _LIMB_WORTH_PX)
+    return found
+
+
+def _thing(eye: Eye, corners: Iterable[Xyz]) -> Seen:
+    return *around(eye.pixels(corners)[:, :2], _THING_PX), _THING_WORTH_PX
