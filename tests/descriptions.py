@@ -1,8 +1,11 @@
 """Hypothesis strategies for goals and descriptions, shared by the tests of the language and of its meaning."""
 
+from collections.abc import Iterator
+from itertools import count
+
 from hypothesis import strategies as st
 
-from skolem.reasoner.expressions import (
+from skolem.reasoner.language.expressions import (
     DIMENSIONS,
     And,
     Argument,
@@ -32,7 +35,7 @@ OBJECTS = ("table1", "sodaE", "_o1_")
 
 @st.composite
 def expressions(draw: st.DrawFn, scope: tuple[str, ...], depth: int = 3, numbers: bool = False) -> Expression:
-    """An expression whose free variables are in `scope`; a binder at depth d is called y<d>."""
+    """An expression whose free variables are in `scope`. Two binders of it may share a name."""
     kinds = ["atom"] if depth == 0 else ["atom", "and", "or", "exists"]
     match draw(st.sampled_from(kinds)):
         case "and":
@@ -40,7 +43,7 @@ def expressions(draw: st.DrawFn, scope: tuple[str, ...], depth: int = 3, numbers
         case "or":
             return Or(draw(expressions(scope, depth - 1, numbers)), draw(expressions(scope, depth - 1, numbers)))
         case "exists":
-            variable = f"y{depth}_{len(scope)}_{draw(st.integers(0, 10**9))}"
+            variable = f"y{depth}"
             return Exists(variable, draw(expressions((*scope, variable), depth - 1, numbers)))
     arguments: st.SearchStrategy[Argument] = st.one_of(
         st.sampled_from(scope).map(Variable), st.sampled_from(OBJECTS).map(Name)
@@ -54,8 +57,23 @@ def expressions(draw: st.DrawFn, scope: tuple[str, ...], depth: int = 3, numbers
 
 @st.composite
 def lambdas(draw: st.DrawFn, numbers: bool = False) -> Lambda:
-    """A description."""
-    return Lambda("x", draw(expressions(("x",), 3, numbers)))
+    """A description, whose binders are called x, y1, y2, .. from left to right."""
+    return Lambda("x", _numbered(draw(expressions(("x",), 3, numbers)), {"x": "x"}, count(1)))
+
+
+def _numbered(expression: Expression, names: dict[str, str], numbers: Iterator[int]) -> Expression:
+    """Return the expression with its binders numbered; `names` maps each variable in scope to its new name."""
+    match expression:
+        case And(left, right):
+            return And(_numbered(left, names, numbers), _numbered(right, names, numbers))
+        case Or(left, right):
+            return Or(_numbered(left, names, numbers), _numbered(right, names, numbers))
+        case Exists(variable, body):
+            new = f"y{next(numbers)}"
+            return Exists(new, _numbered(body, {**names, variable: new}, numbers))
+        case Atom(relation, arguments):
+            renamed = tuple(Variable(names[a.name]) if isinstance(a, Variable) else a for a in arguments)
+            return Atom(relation, renamed)
 
 
 @st.composite
