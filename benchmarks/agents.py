@@ -9,8 +9,8 @@ from typing import TypeVar
 from benchmarks.believed import Imagined
 from benchmarks.problems import GOAL, Problem
 from skolem.reasoner.agent import Agent, Turn
-from skolem.reasoner.parser import parse_goal
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.language.parser import parse_goal
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.traces.messages import Decision, Limits
 
 LIMITS = Limits(steps=200, expansions=2000, hierarchy_depth=16, min_plan_probability=1e-4)

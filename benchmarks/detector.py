@@ -13,8 +13,8 @@ from benchmarks.detector_scenes import CLUTTER_M, STOOD_APART_M, Scene, Thing, c
 from benchmarks.headings import least_turn
 from benchmarks.tables import Table, Target
 from skolem.estimation.se2 import symmetric
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.detector import detect
 from skolem.sim.likelihood import HEIGHT_SD_PER_M2, OUTLINE_SD_PER_M2
 from skolem.traces.messages import Detection, NoiseModel, ObjectType

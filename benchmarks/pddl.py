@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 from benchmarks.problems import Problem, support
-from skolem.reasoner.queries import IMPLAUSIBLE
+from skolem.reasoner.planning.queries import IMPLAUSIBLE
 from skolem.reasoner.terms import nll
 
 _STEP: Final = nll(0.95)  # the step of CHOICE that puts the object down, micro-nats, as the rules price it

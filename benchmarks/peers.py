@@ -17,8 +17,8 @@ from benchmarks import pddl
 from benchmarks.agents import Thinking, first_action, whole_run
 from benchmarks.problems import State, problem
 from benchmarks.tables import Table, Target
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 
 SIZES = (3, 10, 30, 100, 300)
 LIMIT_S = 22  # per call of a peer, wall time; most of what they take together is waiting for it

@@ -15,13 +15,13 @@ from benchmarks.agents import Thinking, first_action, ready, whole_run
 from benchmarks.believed import Imagined
 from benchmarks.problems import GOAL, problem
 from benchmarks.tables import Table, Target
-from skolem.reasoner.asking import Asked
-from skolem.reasoner.denotations import Denotations
-from skolem.reasoner.goals import PosedGoal, read_mutexes
-from skolem.reasoner.offers import RuleOffers
-from skolem.reasoner.parser import parse_goal
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.language.parser import parse_goal
+from skolem.reasoner.planning.denotations import Denotations
+from skolem.reasoner.planning.goals import PosedGoal, read_mutexes
+from skolem.reasoner.planning.offers import RuleOffers
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.asking import Asked
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Term, from_symbol, parse_term
 
 MOST = 5000

@@ -6,16 +6,16 @@ Everything it does with a belief is written down in the `Turn` it returns: plans
 from dataclasses import dataclass, field
 from typing import Final
 
-from skolem.reasoner.attempts import Attempts
-from skolem.reasoner.denotations import Denotations
-from skolem.reasoner.expressions import Goal
-from skolem.reasoner.goals import Closest, PosedGoal, read_mutexes
-from skolem.reasoner.hierarchy import Change, PlanStack
-from skolem.reasoner.instances import Instance, title
-from skolem.reasoner.memory import recalled, remembered
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.planning.attempts import Attempts
+from skolem.reasoner.planning.denotations import Denotations
+from skolem.reasoner.planning.goals import Closest, PosedGoal, read_mutexes
+from skolem.reasoner.planning.hierarchy import Change, PlanStack
+from skolem.reasoner.planning.instances import Instance, title
+from skolem.reasoner.planning.memory import recalled, remembered
+from skolem.reasoner.planning.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.protocols import BeliefQueries, Geometry
-from skolem.reasoner.regression import Found, Step, Subgoal, regress
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, parse_term
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import (

@@ -13,15 +13,15 @@ from minds import Region, TableBelief, TableGeometry, Thing
 from plays import BLUE, GREEN, RED, Play
 from searches import ROBOT, TYPES, Searcher, detection, told
 
-from skolem.reasoner.denotation import compile_description, evaluate
-from skolem.reasoner.denotations import Denotations
-from skolem.reasoner.goals import PosedGoal, read_mutexes
-from skolem.reasoner.instances import Instance
-from skolem.reasoner.parser import parse_goal, parse_lambda
+from skolem.reasoner.language.parser import parse_goal, parse_lambda
+from skolem.reasoner.planning.denotation import compile_description, evaluate
+from skolem.reasoner.planning.denotations import Denotations
+from skolem.reasoner.planning.goals import PosedGoal, read_mutexes
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.regression import Found, Step, regress
 from skolem.reasoner.protocols import BeliefQueries
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.regression import Found, Step, regress
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import nll, parse_term
 from skolem.sim.symbolic_view import Solid
 from skolem.traces.messages import (

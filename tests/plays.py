@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator
 from minds import Region, TableBelief, TableGeometry, Thing
 
 from skolem.reasoner.agent import Agent, Turn
-from skolem.reasoner.parser import parse_goal
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.language.parser import parse_goal
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.traces.messages import Limits
 
 LIMITS = Limits(steps=60, expansions=2000, hierarchy_depth=16, min_plan_probability=1e-4)

@@ -9,10 +9,10 @@ import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 
-from skolem.reasoner.instances import Instance
-from skolem.reasoner.patterns import Mutexes, entails
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.regression import Subgoal
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.patterns import Mutexes, entails
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.regression import Subgoal
 from skolem.reasoner.terms import ANY, Compound, Term, compound, matches, parse_term
 
 SURE, LIKELY, PATIENCE = 223_144, 693_147, 693_147

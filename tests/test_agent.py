@@ -6,10 +6,10 @@ from papers import GREEN_TO_TABLE1, example, three_sodas
 from plays import BLUE, GREEN, LIMITS, RED, Play
 
 from skolem.reasoner.agent import Agent, Turn
-from skolem.reasoner.hierarchy import Change
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.regression import Step
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.planning.hierarchy import Change
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.regression import Step
+from skolem.reasoner.rulebook.book import Rulebook
 
 HEAVY_SODA = "exists o. B(Den(lambda x. And(Heavy(x), Soda(x)), o), 0.9) & B(In(o, table1), 0.9)"
 

@@ -1,7 +1,7 @@
 """What was tried in vain is counted, forgotten by success and by driving on, and survives the trace."""
 
-from skolem.reasoner.attempts import Attempts
-from skolem.reasoner.instances import Instance
+from skolem.reasoner.planning.attempts import Attempts
+from skolem.reasoner.planning.instances import Instance
 from skolem.reasoner.terms import parse_term
 from skolem.traces.messages import Limits
 

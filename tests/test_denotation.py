@@ -6,12 +6,12 @@ import pytest
 from descriptions import OBJECTS, PROPERTIES, lambdas
 from hypothesis import given, settings, strategies as st
 
-from skolem.reasoner.denotation import compile_description, evaluate, expression_term
-from skolem.reasoner.denotations import Denotations, alternatives
-from skolem.reasoner.expressions import And, Atom, Exists, Expression, Lambda, Name, Or, Variable, constant_of
-from skolem.reasoner.parser import parse_lambda
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Lambda, Name, Or, Variable, constant_of
+from skolem.reasoner.language.parser import parse_lambda
+from skolem.reasoner.planning.denotation import compile_description, evaluate, expression_term
+from skolem.reasoner.planning.denotations import Denotations, alternatives
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import compound
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Meaning, WeightInterval

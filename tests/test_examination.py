@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from skolem.reasoner.examination import Doubt, Examined, examine
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import rule_files
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import rule_files
+from skolem.reasoner.rulebook.examination import Doubt, Examined, examine
 
 
 def examined(folder: Path, text: str) -> Examined:

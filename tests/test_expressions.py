@@ -4,8 +4,8 @@ import pytest
 from descriptions import OBJECTS, RELATIONS, goals
 from hypothesis import given, settings
 
-from skolem.reasoner.expressions import Goal, constant_of, word_of
-from skolem.reasoner.parser import parse_goal
+from skolem.reasoner.language.expressions import Goal, constant_of, word_of
+from skolem.reasoner.language.parser import parse_goal
 from skolem.reasoner.terms import parse_term
 
 

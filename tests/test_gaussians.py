@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 from minds import Normal
 
-from skolem.reasoner import gaussians
+from skolem.reasoner.planning import gaussians
 from skolem.reasoner.terms import Compound, compound, nll, parse_term
 from skolem.traces.messages import HsvVolume, WeightInterval
 

@@ -11,9 +11,9 @@ from typing import get_args
 
 import pytest
 
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rule_shapes import shapes_of
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.lint.derivable import shapes_of
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools import cli
 from skolem.tools.recorded_rules import rulebook_of
 from skolem.tools.trace_account import account

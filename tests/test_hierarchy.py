@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable
 
-from skolem.reasoner.hierarchy import Binding, PlanStack
-from skolem.reasoner.instances import Instance
-from skolem.reasoner.regression import Step, Subgoal
+from skolem.reasoner.planning.hierarchy import Binding, PlanStack
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.regression import Step, Subgoal
 from skolem.reasoner.terms import Term, parse_term, substitute
 
 

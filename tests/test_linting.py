@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 from minds import Region, TableBelief, TableGeometry, Thing
 
-from skolem.reasoner.examination import examine
-from skolem.reasoner.fluent_kinds import ACTIVITIES, FLUENTS
-from skolem.reasoner.linting import CODES, NO_SUCH_CODE, findings
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook, rule_files
-from skolem.reasoner.situation import Situation
+from skolem.reasoner.lint.fluent_kinds import ACTIVITIES, FLUENTS
+from skolem.reasoner.lint.linting import CODES, NO_SUCH_CODE, findings
+from skolem.reasoner.lint.wrong_rules import NOT_A_FLUENT, refuse_wrong
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.situation import Situation
+from skolem.reasoner.rulebook.book import Rulebook, rule_files
+from skolem.reasoner.rulebook.examination import examine
 from skolem.reasoner.terms import parse_term
-from skolem.reasoner.wrong_rules import NOT_A_FLUENT, refuse_wrong
 from skolem.traces.errors import InputError
 
 PUSH = """step(push(O)) :- goal(b(on(O, S), _)), @rigid(S) = 1.

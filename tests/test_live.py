@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from skolem.reasoner.agent import Turn
-from skolem.reasoner.goals import Closest
+from skolem.reasoner.planning.goals import Closest
 from skolem.tools.belief_table import belief_rows, size_of
 from skolem.tools.live import Lines, Picture, drop_text, watcher_for
 from skolem.tools.plan_tree import plan_lines

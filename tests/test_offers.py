@@ -6,7 +6,7 @@ import pytest
 from minds import Region, TableBelief, Thing
 from papers import EXAMPLE_GOAL, example, posed, shipped
 
-from skolem.reasoner.goals import PosedGoal
+from skolem.reasoner.planning.goals import PosedGoal
 from skolem.reasoner.terms import parse_term
 
 FLUENTS = tuple(

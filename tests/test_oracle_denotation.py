@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from test_denotation import BOOK, ROUNDING, WORDS, Table
 
-from skolem.reasoner.denotation import compile_description, evaluate, evaluate_at
-from skolem.reasoner.parser import parse_lambda
+from skolem.reasoner.language.parser import parse_lambda
+from skolem.reasoner.planning.denotation import compile_description, evaluate, evaluate_at
 
 ANCHORS = ("a", "b", "c")
 PROPERTIES = ("Green", "Soda", "Heavy")

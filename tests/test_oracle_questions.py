@@ -7,9 +7,9 @@ import pytest
 from clingo import ast
 from papers import EXAMPLE_GOAL, example, posed, shipped
 
-from skolem.reasoner.asking import Asked
-from skolem.reasoner.goals import PosedGoal
-from skolem.reasoner.queries import Queries
+from skolem.reasoner.planning.goals import PosedGoal
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.asking import Asked
 from skolem.reasoner.terms import Compound, Term, compound, from_symbol, parse_term, to_symbol
 
 FILES = [name.removesuffix(".lp") for name in shipped().files if name not in ("denote.lp", "mutex.lp")]

@@ -13,10 +13,10 @@ from papers import EXAMPLE_GOAL, posed, shipped
 from reference import Reference, UnfinishedError, cheapest, offered, regressed
 from test_regression import Table, instance, terms
 
-from skolem.reasoner.goals import PosedGoal, read_mutexes
-from skolem.reasoner.instances import Instance
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.regression import Found, Subgoal, regress
+from skolem.reasoner.planning.goals import PosedGoal, read_mutexes
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.regression import Found, Subgoal, regress
 from skolem.reasoner.terms import Compound, Term, nll, parse_term, prob
 
 DEAREST = nll(1e-4)

@@ -7,8 +7,8 @@ import clingo
 from hypothesis import given, settings, strategies as st
 from test_regression import Table, instance, terms
 
-from skolem.reasoner import regression
-from skolem.reasoner.instances import Instance
+from skolem.reasoner.planning import regression
+from skolem.reasoner.planning.instances import Instance
 from skolem.reasoner.terms import Term
 
 HORIZON = 5

@@ -12,7 +12,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from skolem.reasoner.rulebook import RULE_FILES
+from skolem.reasoner.rulebook.book import RULE_FILES
 from skolem.tools.source import source_sha256
 
 ROOT = Path(__file__).parent.parent

@@ -5,9 +5,9 @@ import pytest
 from clingo import ast
 from clingo.ast import ASTType
 
-from skolem.reasoner.numbering import PREFIX, Numbered, numbered_rule
-from skolem.reasoner.packing import PACK, packable, packed
-from skolem.reasoner.parts import Statement
+from skolem.reasoner.rulebook.numbering import PREFIX, Numbered, numbered_rule
+from skolem.reasoner.rulebook.packing import PACK, packable, packed
+from skolem.reasoner.rulebook.parts import Statement
 
 ENDS = frozenset({("cost", 2), ("needs", 2), ("frees", 1)})
 NUMBERED = ENDS | {("step", 1), ("builds", 1), ("no", 2)}

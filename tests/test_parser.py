@@ -4,8 +4,8 @@ import pytest
 from descriptions import OBJECTS, RELATIONS, goals, lambdas
 from hypothesis import given, settings, strategies as st
 
-from skolem.reasoner.expressions import And, Atom, Believed, Den, Exists, Goal, Lambda, Name, Or, Variable
-from skolem.reasoner.parser import goal_faults, parse_goal, parse_lambda
+from skolem.reasoner.language.expressions import And, Atom, Believed, Den, Exists, Goal, Lambda, Name, Or, Variable
+from skolem.reasoner.language.parser import goal_faults, parse_goal, parse_lambda
 from skolem.traces.errors import InputError
 
 GREEN, RED, X = Atom("Green", (Variable("x"),)), Atom("Red", (Variable("x"),)), Variable("x")

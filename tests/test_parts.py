@@ -8,8 +8,8 @@ from clingo import ast
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 from papers import shipped
 
-from skolem.reasoner.numbering import numbered_rule, numbered_show
-from skolem.reasoner.parts import Atom, Comparison, Nested, Part, Statement, split, without_pools
+from skolem.reasoner.rulebook.numbering import numbered_rule, numbered_show
+from skolem.reasoner.rulebook.parts import Atom, Comparison, Nested, Part, Statement, split, without_pools
 
 ODD = """
 p(X,Y) :- X = (1..3), Y = @f(X,1), q((a;b)), q(a;b), r(a,b;c), s(X+1,-X,|X|,(X,),(),f(X)*2), not not t, not u(X').

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from skolem.reasoner.goals import read_mutexes
-from skolem.reasoner.patterns import Mutexes, entails, mentions
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.planning.goals import read_mutexes
+from skolem.reasoner.planning.patterns import Mutexes, entails, mentions
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import parse_term
 
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from skolem.reasoner.proofs import Derivation, Proof, rules_used
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.planning.proofs import Derivation, Proof, rules_used
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Term, compound, parse_term
 
 OWN = """far(O) :- goal(holding(O)), @distance(O) = D, D > 10.

@@ -6,8 +6,8 @@ from clingo import ast
 from clingo.ast import ASTType
 from papers import shipped
 
-from skolem.reasoner.parts import Statement
-from skolem.reasoner.recursion import endless
+from skolem.reasoner.rulebook.parts import Statement
+from skolem.reasoner.rulebook.recursion import endless
 
 CONSTANTS = {"limit": 10, "down": -1}
 BASE = (

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 from hypothesis import given, strategies as st
 
-from skolem.reasoner import regression
-from skolem.reasoner.instances import Instance
-from skolem.reasoner.patterns import Mutexes
-from skolem.reasoner.regression import Found, Subgoal, regress
+from skolem.reasoner.planning import regression
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.patterns import Mutexes
+from skolem.reasoner.planning.regression import Found, Subgoal, regress
 from skolem.reasoner.terms import Term, nll, parse_term, prob
 
 

@@ -12,7 +12,7 @@ import pytest
 from recordings import recorded, rewritten, unchanged
 
 from skolem.reasoner.agent import Agent
-from skolem.reasoner.instances import Instance
+from skolem.reasoner.planning.instances import Instance
 from skolem.tools import cli
 from skolem.tools.fingerprint import differences
 from skolem.tools.live import Silence
@@ -37,7 +37,7 @@ COMMAND = "import sys; from skolem.tools.cli import main; sys.exit(main())"
 NOT_FOR_A_REPLAY = (  # each takes a while to import
     *("distributed", "foxglove_schemas_protobuf", "mcap_protobuf", "ompl", "pyarrow", "pybullet", "rerun", "rich"),
     *("ruamel", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "scipy.stats"),
-    *("skolem.reasoner.linting", "skolem.reasoner.wrong_rules", "skolem.sim", "skolem.tools.session"),
+    *("skolem.reasoner.lint.linting", "skolem.reasoner.lint.wrong_rules", "skolem.sim", "skolem.tools.session"),
 )
 OTHER_MACHINES = (
     {"PYTHONHASHSEED": "7", "OPENBLAS_NUM_THREADS": "2"},

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from skolem.reasoner.linting import CODES
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rule_docs import reference, sections
-from skolem.reasoner.rulebook import RULE_FILES, Rulebook
+from skolem.reasoner.lint.docs import reference, sections
+from skolem.reasoner.lint.linting import CODES
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import RULE_FILES, Rulebook
 
 ROOT = Path(__file__).parent.parent
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from skolem.reasoner.asking import Asked
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import RULE_FILES, Rulebook
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.asking import Asked
+from skolem.reasoner.rulebook.book import RULE_FILES, Rulebook
 from skolem.reasoner.terms import Term, compound, parse_term
 from skolem.traces.errors import InputError, InternalError
 

@@ -7,15 +7,15 @@ from pathlib import Path
 import pytest
 from minds import TableBelief, TableGeometry, Thing
 
-from skolem.reasoner.denotations import Denotations
-from skolem.reasoner.goals import read_mutexes
-from skolem.reasoner.instances import Instance
-from skolem.reasoner.offers import RuleOffers
-from skolem.reasoner.parser import parse_goal
-from skolem.reasoner.patterns import Mutexes
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import RULE_FILES, Rulebook
-from skolem.reasoner.situation import Situation
+from skolem.reasoner.language.parser import parse_goal
+from skolem.reasoner.planning.denotations import Denotations
+from skolem.reasoner.planning.goals import read_mutexes
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.offers import RuleOffers
+from skolem.reasoner.planning.patterns import Mutexes
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.situation import Situation
+from skolem.reasoner.rulebook.book import RULE_FILES, Rulebook
 from skolem.reasoner.terms import nll, parse_term
 
 NINE = nll(0.9)

@@ -7,9 +7,9 @@ from shutil import copytree
 import pytest
 from typer.testing import CliRunner, Result
 
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rule_docs import reference
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.lint.docs import reference
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools.rules import app
 
 ROOT = Path(__file__).parent.parent

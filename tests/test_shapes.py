@@ -4,8 +4,8 @@ import pytest
 from clingo import ast
 from clingo.ast import AST, ASTType
 
-from skolem.reasoner.parts import Statement
-from skolem.reasoner.shapes import Program, shape, shaped
+from skolem.reasoner.rulebook.parts import Statement
+from skolem.reasoner.rulebook.shapes import Program, shape, shaped
 from skolem.reasoner.terms import Compound, parse_term
 
 

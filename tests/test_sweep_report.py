@@ -6,7 +6,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from skolem.reasoner.parser import parse_goal
+from skolem.reasoner.language.parser import parse_goal
 from skolem.tools.sweep_progress import Bar, Lines, said_of
 from skolem.tools.sweep_report import Part, line, promised, section, sections, wilson, with_section
 from skolem.tools.sweep_rows import TIMES, Row

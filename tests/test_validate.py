@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rule_files import MAX_BYTES, RuleFile, parse
-from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.validate import query_arities
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
+from skolem.reasoner.rulebook.files import MAX_BYTES, RuleFile, parse
+from skolem.reasoner.rulebook.validate import query_arities
 from skolem.traces.errors import InputError
 
 BAD = sorted((Path(__file__).parent / "data" / "bad_rules").glob("*.lp"))

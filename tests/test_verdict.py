@@ -2,10 +2,10 @@
 
 import pytest
 
-from skolem.reasoner.parser import parse_goal
+from skolem.reasoner.language.parser import parse_goal
+from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.protocols import BeliefQueries
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools.verdict import Truth, verdict
 from skolem.traces.messages import HsvVolume, TrueObject, TrueState, TypeIs, Verdict, WeightInterval
 

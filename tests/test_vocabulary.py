@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.vocabulary import Vocabulary, comparison
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
+from skolem.reasoner.rulebook.vocabulary import Vocabulary, comparison
 from skolem.traces.errors import InputError
 from skolem.traces.messages import HsvVolume, ObjectType, TypeIs, WeightInterval
 

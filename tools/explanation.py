@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 
 from skolem.estimation.belief import Belief
 from skolem.reasoner.agent import Agent
-from skolem.reasoner.denotations import Denotations
-from skolem.reasoner.goals import PosedGoal
-from skolem.reasoner.proofs import Derivation
-from skolem.reasoner.queries import Queries
+from skolem.reasoner.planning.denotations import Denotations
+from skolem.reasoner.planning.goals import PosedGoal
+from skolem.reasoner.planning.proofs import Derivation
+from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.terms import ANY, Compound, Term, compound, prob
 from skolem.tools.recalled_geometry import NotRecordedError, RecalledGeometry
 from skolem.tools.recorded_run import RecordedRun, RecordedStep

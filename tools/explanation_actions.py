@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from skolem.reasoner.instances import title
-from skolem.reasoner.patterns import entails
-from skolem.reasoner.proofs import Derivation, Proof, rules_used
+from skolem.reasoner.planning.instances import title
+from skolem.reasoner.planning.patterns import entails
+from skolem.reasoner.planning.proofs import Derivation, Proof, rules_used
 from skolem.reasoner.terms import Compound, Term, parse_term
 from skolem.tools.explanation import Insight, Layer
 from skolem.traces.messages import RememberedStep

@@ -5,11 +5,11 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from skolem.reasoner.agent import IMPOSSIBLE, NOT_FOUND, UNLIKELY
-from skolem.reasoner.goals import nearness
-from skolem.reasoner.hierarchy import PlanStack
-from skolem.reasoner.instances import title
-from skolem.reasoner.queries import IMPLAUSIBLE
-from skolem.reasoner.regression import Step, regress
+from skolem.reasoner.planning.goals import nearness
+from skolem.reasoner.planning.hierarchy import PlanStack
+from skolem.reasoner.planning.instances import title
+from skolem.reasoner.planning.queries import IMPLAUSIBLE
+from skolem.reasoner.planning.regression import Step, regress
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, parse_term, prob
 from skolem.tools.explanation import Insight, Truth, truth
 from skolem.tools.explanation_objects import Choice

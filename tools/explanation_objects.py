@@ -3,9 +3,9 @@
 import itertools
 from dataclasses import dataclass
 
-from skolem.reasoner.instances import title
-from skolem.reasoner.queries import IMPLAUSIBLE
-from skolem.reasoner.regression import Found, Subgoal
+from skolem.reasoner.planning.instances import title
+from skolem.reasoner.planning.queries import IMPLAUSIBLE
+from skolem.reasoner.planning.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, compound, nll, parse_term, prob, substitute
 from skolem.tools.explanation import Insight, Truth, truth
 from skolem.tools.explanation_plans import Rival, beaten, planned

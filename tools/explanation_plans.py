@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from skolem.reasoner.instances import Instance
-from skolem.reasoner.regression import Found, Subgoal, regress
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.regression import Found, Subgoal, regress
 from skolem.reasoner.terms import prob
 from skolem.tools.explanation import Insight
 from skolem.tools.explanation_refusals import Refused

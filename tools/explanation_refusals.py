@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from skolem.reasoner.instances import Instance, title
-from skolem.reasoner.patterns import Mutexes
-from skolem.reasoner.regression import Found, Offers, Subgoal, regress
+from skolem.reasoner.planning.instances import Instance, title
+from skolem.reasoner.planning.patterns import Mutexes
+from skolem.reasoner.planning.regression import Found, Offers, Subgoal, regress
 from skolem.reasoner.terms import Term, nll, parse_term
 from skolem.tools.explanation import Insight
 from skolem.tools.recalled_geometry import NotRecordedError

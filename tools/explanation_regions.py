@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from skolem.reasoner.instances import Instance, title
-from skolem.reasoner.queries import IMPLAUSIBLE
-from skolem.reasoner.regression import Found, Subgoal
+from skolem.reasoner.planning.instances import Instance, title
+from skolem.reasoner.planning.queries import IMPLAUSIBLE
+from skolem.reasoner.planning.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, prob
 from skolem.tools.explanation import Insight, mentioned
 from skolem.tools.explanation_plans import Rival, beaten, planned

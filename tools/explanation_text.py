@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from skolem.reasoner.instances import title
+from skolem.reasoner.planning.instances import title
 from skolem.reasoner.terms import CAP_MICRONATS, MICRO, parse_term, prob
 from skolem.tools.explanation import Truth
 from skolem.tools.explanation_actions import LayerView, Link

@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 from skolem.estimation.belief import Belief
 from skolem.reasoner.agent import Agent, Turn
-from skolem.reasoner.expressions import Goal
+from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.protocols import Geometry
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools.recorded_geometry import RecordedGeometry
 from skolem.tools.stopwatch import ESTIMATION, REASONING, Stopwatch
 from skolem.traces.messages import Action, ActionResult, Limits, Memory, Message, Observation, Prior

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from skolem.reasoner.expressions import Believed, Goal
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.language.expressions import Believed, Goal
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario import Document, prior, read_document
 from skolem.tools.recorded_rules import Rulebooks
 from skolem.tools.recorded_run import RecordedRun

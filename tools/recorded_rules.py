@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rule_files import RuleFile
-from skolem.reasoner.rulebook import RULE_FILES, Rulebook
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import RULE_FILES, Rulebook
+from skolem.reasoner.rulebook.files import RuleFile
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.made_of import RULES
 
@@ -83,7 +83,7 @@ class Rulebooks:
                 hints = self._hints(error.faults, Overlay.of(attachments, replaced).kept if replaced else ())
                 raise InputError([*error.faults, *hints]) from error
             if replaced:
-                from skolem.reasoner.wrong_rules import refuse_wrong  # takes time, and other replays do without
+                from skolem.reasoner.lint.wrong_rules import refuse_wrong  # takes time, and other replays do without
 
                 refuse_wrong(rulebook)
             self._known[key] = rulebook

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
 
-from skolem.reasoner.parser import parse_goal
+from skolem.reasoner.language.parser import parse_goal
 from skolem.tools.planners import planner_of
 from skolem.tools.recalled_geometry import RecalledGeometry
 from skolem.tools.recorded_rules import Rulebooks

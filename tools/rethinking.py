@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from skolem.reasoner.agent import Turn
-from skolem.reasoner.expressions import Goal
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools.mind import Mind
 from skolem.tools.recalled_geometry import RecalledGeometry
 from skolem.tools.recorded_run import RecordedRun, RecordedStep

@@ -13,7 +13,7 @@ from skolem.tools.run import fault_rows
 from skolem.traces.errors import Fault, InputError
 
 if TYPE_CHECKING:
-    from skolem.reasoner.rulebook import Rulebook
+    from skolem.reasoner.rulebook.book import Rulebook
 
 app = typer.Typer(
     add_completion=False,
@@ -59,11 +59,11 @@ class Complaint:
 
 def _complaints(paths: Sequence[Path]) -> tuple[list[Complaint], bool]:
     """Return everything to say of rule files, by place, and whether that is all."""
-    from skolem.reasoner.examination import examine
-    from skolem.reasoner.linting import findings
-    from skolem.reasoner.queries import Queries
-    from skolem.reasoner.rulebook import rule_files
-    from skolem.reasoner.wrong_rules import NOT_A_FLUENT
+    from skolem.reasoner.lint.linting import findings
+    from skolem.reasoner.lint.wrong_rules import NOT_A_FLUENT
+    from skolem.reasoner.planning.queries import Queries
+    from skolem.reasoner.rulebook.book import rule_files
+    from skolem.reasoner.rulebook.examination import examine
 
     try:
         sources, unread = rule_files(*_meant(paths))
@@ -88,7 +88,7 @@ def doc(
 
     Exit status: 0 written, 2 the rules have a fault.
     """
-    from skolem.reasoner.rule_docs import reference, sections
+    from skolem.reasoner.lint.docs import reference, sections
 
     rulebook = _load(paths or [])
     text = json_format.dumps(sections(rulebook)) + "\n" if json else reference(rulebook)
@@ -107,8 +107,8 @@ def _load(paths: Sequence[Path]) -> "Rulebook":
     Raises:
         InputError: With every fault in them.
     """
-    from skolem.reasoner.queries import Queries
-    from skolem.reasoner.rulebook import Rulebook
+    from skolem.reasoner.planning.queries import Queries
+    from skolem.reasoner.rulebook.book import Rulebook
 
     return Rulebook.load(Queries, *_meant(paths))
 
@@ -119,7 +119,7 @@ def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:
     Raises:
         InputError: If a folder has no rule file.
     """
-    from skolem.reasoner.rulebook import RULE_FILES
+    from skolem.reasoner.rulebook.book import RULE_FILES
 
     own: list[Path] = []
     whole: Path | None = None

@@ -14,12 +14,12 @@ from google.protobuf.message import Message as Protobuf
 
 from skolem.estimation.config import EstimatorConfig
 from skolem.reasoner.agent import Turn
-from skolem.reasoner.expressions import Goal
-from skolem.reasoner.parser import goal_faults, parse_goal
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.relations import misused, too_sure
-from skolem.reasoner.rulebook import Rulebook
-from skolem.reasoner.wrong_rules import refuse_wrong
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.language.parser import goal_faults, parse_goal
+from skolem.reasoner.lint.wrong_rules import refuse_wrong
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.relations import misused, too_sure
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario import (
     Document,
     Scenario,

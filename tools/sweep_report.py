@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from skolem.reasoner.expressions import Believed, Estimated, Goal
+from skolem.reasoner.language.expressions import Believed, Estimated, Goal
 from skolem.tools.session import PARTS, RECORDING
 from skolem.tools.source import SOURCE_SHA256
 from skolem.tools.sweep_rows import Row

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.reasoner.expressions import Goal
-from skolem.reasoner.goals import achieved_by
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.planning.goals import achieved_by
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.footprints import footprint, overhang
 from skolem.sim.poses import compose4, flat, inverse4, raised
 from skolem.traces.messages import (

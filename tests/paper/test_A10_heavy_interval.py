@@ -8,7 +8,7 @@ from papers import shipped, with_own_rules
 from searches import told
 
 from skolem.estimation.belief import Belief
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.traces.messages import PriorObject
 
 

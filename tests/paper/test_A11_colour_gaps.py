@@ -4,8 +4,8 @@ from pathlib import Path
 
 from papers import shipped
 
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 
 
 def test_gaps_between_colours_are_reported(tmp_path: Path) -> None:

@@ -19,8 +19,8 @@ from papers import (
     with_own_rules,
 )
 
-from skolem.reasoner.fluent_kinds import COMMANDS
-from skolem.reasoner.linting import findings
+from skolem.reasoner.lint.fluent_kinds import COMMANDS
+from skolem.reasoner.lint.linting import findings
 from skolem.reasoner.terms import parse_term
 
 GOAL = "exists o. B(Den(lambda x. Soda(x) & Green(x) & Heavy(x), o), 0.9) & B(On(o, table1), 0.9)"

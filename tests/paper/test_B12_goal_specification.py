@@ -5,8 +5,8 @@ from descriptions import OBJECTS, RELATIONS, goals
 from hypothesis import given, settings
 from papers import EXAMPLE_GOAL, GREEN_TO_TABLE1, shipped
 
-from skolem.reasoner.expressions import Goal
-from skolem.reasoner.parser import parse_goal
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.language.parser import parse_goal
 from skolem.traces.errors import InputError
 
 PAPERS = {

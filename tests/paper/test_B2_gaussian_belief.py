@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from papers import Handler, at_five_percent, can, posed
 
 from skolem.estimation.fluents import covariance_within
-from skolem.reasoner import gaussians
+from skolem.reasoner.planning import gaussians
 from skolem.reasoner.terms import compound, nll, parse_term
 
 Array = NDArray[np.float64]

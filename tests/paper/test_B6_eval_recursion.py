@@ -10,8 +10,8 @@ from papers import denotes, shipped
 from searches import told
 
 from skolem.estimation.belief import Belief
-from skolem.reasoner.expressions import And, Atom, Exists, Expression, Name, Or, Variable, constant_of
-from skolem.reasoner.parser import parse_lambda
+from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Name, Or, Variable, constant_of
+from skolem.reasoner.language.parser import parse_lambda
 from skolem.traces.messages import HsvBelief, PriorObject
 
 Fact = tuple[str, ...]  # a relation and its anchors, or ("exists", anchor)

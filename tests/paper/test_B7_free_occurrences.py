@@ -3,7 +3,7 @@
 import pytest
 from papers import Handler, at_five_percent, can, denotes, posed, seen_as, shipped
 
-from skolem.reasoner.parser import parse_lambda
+from skolem.reasoner.language.parser import parse_lambda
 
 LEFT, RIGHT = (1.0, 0.2, 0.7, 0.0), (1.0, -0.2, 0.7, 0.0)
 RED_RGB = (0.64, 0.08, 0.08)

@@ -4,9 +4,9 @@ import pytest
 from papers import Handler, at_five_percent, can, denotes, posed, shipped
 
 from skolem.estimation.events import Looked, Missed
-from skolem.reasoner.expressions import Atom, Name, Number, Variable
-from skolem.reasoner.goals import achieved_by
-from skolem.reasoner.parser import parse_goal, parse_lambda
+from skolem.reasoner.language.expressions import Atom, Name, Number, Variable
+from skolem.reasoner.language.parser import parse_goal, parse_lambda
+from skolem.reasoner.planning.goals import achieved_by
 from skolem.traces.errors import InputError
 
 WORDS = shipped().vocabulary.words() | {"Near": 2, "HeavierThan": 2, "Between": 3}

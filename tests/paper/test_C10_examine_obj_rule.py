@@ -5,7 +5,7 @@ import math
 import pytest
 from papers import EXAMPLE_GOAL, NINE, example, normal_tail, only, posed, preconditions, results
 
-from skolem.reasoner.instances import Instance
+from skolem.reasoner.planning.instances import Instance
 from skolem.reasoner.terms import Compound, nll, prob
 
 P_R = 0.9

@@ -3,7 +3,7 @@
 from minds import TableBelief, TableGeometry
 from papers import EXAMPLE_GOAL, example, posed, preconditions
 
-from skolem.reasoner.goals import PosedGoal
+from skolem.reasoner.planning.goals import PosedGoal
 from skolem.reasoner.terms import parse_term
 
 

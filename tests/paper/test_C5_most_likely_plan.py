@@ -9,10 +9,10 @@ from hypothesis import given, settings, strategies as st
 from minds import Region, TableBelief, Thing
 from papers import EXAMPLE_GOAL, NINE, example, planned, posed, steps_of
 
-from skolem.reasoner.goals import PosedGoal
-from skolem.reasoner.instances import Instance
-from skolem.reasoner.patterns import entails
-from skolem.reasoner.regression import Subgoal, regress
+from skolem.reasoner.planning.goals import PosedGoal
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.patterns import entails
+from skolem.reasoner.planning.regression import Subgoal, regress
 from skolem.reasoner.terms import Term, nll, prob
 
 

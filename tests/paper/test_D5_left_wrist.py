@@ -6,9 +6,9 @@ from minds import Thing
 from plays import LIMITS, Play
 
 from skolem.reasoner.agent import Agent
-from skolem.reasoner.parser import parse_goal
-from skolem.reasoner.queries import Queries
-from skolem.reasoner.rulebook import Rulebook
+from skolem.reasoner.language.parser import parse_goal
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.rulebook.book import Rulebook
 
 ASKS_THE_LEFT = Path(__file__).parent.parent / "data" / "own_rules" / "weigh_left.lp"
 RULES = Rulebook.load(Queries, [ASKS_THE_LEFT])

@@ -5,7 +5,7 @@ from minds import TableBelief, Thing
 from papers import planned, posed, rehearsed, steps_of
 from runs import over, with_physics
 
-from skolem.reasoner.instances import title
+from skolem.reasoner.planning.instances import title
 from skolem.traces.messages import Pick, Place
 
 GOAL = "B(On(o4, desk), 0.9)"

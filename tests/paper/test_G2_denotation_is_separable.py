@@ -7,7 +7,7 @@ import pytest
 from papers import GREEN_TO_TABLE1, HUES, shipped, three_sodas
 from plays import Play
 
-from skolem.reasoner.rulebook import RULE_FILES, Rulebook
+from skolem.reasoner.rulebook.book import RULE_FILES, Rulebook
 
 DENOTATION = ("denote.lp", "infer.lp", "find.lp")
 OTHERS = tuple(f"{name}.lp" for name in RULE_FILES if f"{name}.lp" not in DENOTATION)

@@ -3,8 +3,8 @@
 import pytest
 from papers import shipped
 
-from skolem.reasoner.expressions import Goal
-from skolem.reasoner.parser import parse_goal
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.language.parser import parse_goal
 from skolem.traces.errors import InputError
 
 NAMES = ("desk", "o2")

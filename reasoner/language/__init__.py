@@ -1,0 +1,1 @@
+"""Goals and descriptions, as text and as values. May import: terms."""

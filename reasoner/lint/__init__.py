@@ -1,0 +1,1 @@
+"""Doubtful rules, and the reference of rules made from their comments. May import: planning, rulebook."""

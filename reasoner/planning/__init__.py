@@ -1,0 +1,1 @@
+"""What holds, what is offered, and what to do next. May import: rulebook."""

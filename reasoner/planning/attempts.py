@@ -1,0 +1,62 @@
+"""What was done without doing what it should: how often a step in a row, and what from where the robot stands."""
+
+from collections import Counter
+from collections.abc import Mapping
+
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.terms import Compound, Term, parse_term
+from skolem.traces.messages import Limits
+
+
+class Attempts:
+    """Counts, by step and by command; a success forgets both, a drive what was in vain from the place before."""
+
+    def __init__(self, limits: Limits) -> None:
+        """Know of no failure."""
+        self._limits = limits
+        self._failures: Counter[Term] = Counter()
+        self._in_vain: Counter[Term] = Counter()
+
+    def judge(self, done: Instance, achieved: bool) -> None:
+        """Note whether what was executed did what the plan took it for."""
+        self._failures[done.step] = 0 if achieved else self._failures[done.step] + 1
+        if isinstance(done.executes, Compound) and done.executes.name == "move":
+            self._in_vain.clear()
+        elif done.executes is not None:
+            self._in_vain[done.executes] = 0 if achieved else self._in_vain[done.executes] + 1
+
+    def give_up(self, step: Term) -> None:
+        """Note that a step is not to be tried again."""
+        self._failures[step] = self._limits.repeats
+
+    def is_hopeless(self, step: Term) -> bool:
+        """Return whether a step failed so often in a row that it is not tried again."""
+        return self._failures[step] >= self._limits.repeats
+
+    def hopeless(self) -> list[Term]:
+        """Return the steps that are not tried again, in the order in which they were first tried."""
+        return [step for step in self._failures if self.is_hopeless(step)]
+
+    def fruitless_here(self) -> frozenset[Term]:
+        """Return the commands that were in vain so often that from here another time promises no more."""
+        return frozenset(done for done, count in self._in_vain.items() if count >= self._limits.same_looks)
+
+    def failures(self) -> dict[str, int]:
+        """Return how often in a row each step failed, for the trace."""
+        return _written(self._failures)
+
+    def in_vain(self) -> dict[str, int]:
+        """Return how often in a row each command was in vain from here, for the trace."""
+        return _written(self._in_vain)
+
+    def recall(self, failures: Mapping[str, int], in_vain: Mapping[str, int]) -> None:
+        """Take over counts as the trace has them."""
+        self._failures, self._in_vain = _read(failures), _read(in_vain)
+
+
+def _written(counts: Counter[Term]) -> dict[str, int]:
+    return {str(term): count for term, count in sorted(counts.items(), key=str) if count}
+
+
+def _read(counts: Mapping[str, int]) -> Counter[Term]:
+    return Counter({parse_term(text): count for text, count in counts.items()})

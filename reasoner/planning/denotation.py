@@ -1,0 +1,329 @@
+"""What a description denotes: the axioms of `denote.lp` compiled to a circuit, evaluated on a belief in floats.
+
+Rules say which number each subexpression is; this module computes the numbers (section "Denoting objects"):
+b(R(c)) for an atom, the product for And, a + b - ab for Or, and Or over all known objects for Exists.
+
+Existence: b(R(c)) is the probability given that c exists. What a variable ranges over is weighted by P(exists) once:
+Den(lambda x. e, c) is P(c exists) times the value of e, and `exists y. e` is Or over all c of P(c exists) times e.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from itertools import product
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Lambda, Or, argument_term, constant_of
+from skolem.reasoner.rulebook.book import Rulebook
+from skolem.reasoner.rulebook.vocabulary import Vocabulary, comparison
+from skolem.reasoner.terms import Compound, Term, compound
+from skolem.traces.errors import InternalError
+from skolem.traces.messages import Meaning
+
+STRANGER: Final = "_new_"  # an object that nobody has met yet
+_NOTHING: Final = Compound("", ())
+
+
+class GroundBeliefs(Protocol):
+    """The part of `protocols.BeliefQueries` that gives descriptions their value."""
+
+    @property
+    def version(self) -> int:
+        """Equal versions mean equal answers."""
+        ...
+
+    def anchors(self) -> tuple[str, ...]:
+        """Every anchor believed to exist."""
+        ...
+
+    def prob_exists(self, anchor: str) -> float:
+        """P(there is such an object)."""
+        ...
+
+    def prob_property(self, anchor: str, meaning: Meaning) -> float:
+        """P(the object has the property), given that it exists."""
+        ...
+
+    def prob_on(self, anchor: str, support: str) -> float:
+        """P(the object rests on the top of `support`), given that both exist."""
+        ...
+
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """P(the objects are at most so far apart), given that both exist."""
+        ...
+
+
+class OpenBeliefs(GroundBeliefs, Protocol):
+    """What is believed, beyond the known objects, of those nobody has met yet."""
+
+    def prob_property_of_new(self, meaning: Meaning) -> float:
+        """P(an arbitrary new object has the property)."""
+        ...
+
+    def region_support(self, region: str) -> str:
+        """The anchor on whose top the region lies."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """Belief in a relation of variables `var(x)` and anchors."""
+
+    relation: str
+    args: tuple[Term, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Product:
+    """a b."""
+
+    left: "Node"
+    right: "Node"
+
+
+@dataclass(frozen=True, slots=True)
+class Either:
+    """a + b - a b."""
+
+    left: "Node"
+    right: "Node"
+
+
+@dataclass(frozen=True, slots=True)
+class EitherOver:
+    """1 - the product over all known objects of 1 - P(it exists) a."""
+
+    variable: Term
+    inner: "Node"
+
+
+Node = Leaf | Product | Either | EitherOver
+
+
+@dataclass(frozen=True, slots=True)
+class Circuit:
+    """A compiled description.
+
+    Attributes:
+        variable: What the lambda binds.
+        root: The value of its body.
+        props: The properties said of the described object itself, by name, sorted.
+        compared: Those of them that compare it with a number: relation and thousandths, by name.
+    """
+
+    variable: Term
+    root: Node
+    props: tuple[str, ...]
+    compared: Mapping[str, tuple[str, int]]
+
+
+# ---------------------------------------------------------------- compiling
+
+
+def compile_description(description: Lambda, rulebook: Rulebook) -> Circuit:
+    """Return the circuit that the denotation axioms give for a description.
+
+    Raises:
+        InternalError: If the axioms do not cover it.
+    """
+    body = expression_term(description.body)
+    fact = compound("lambda", "e", description.variable, body)
+    atoms = rulebook.solve([fact], None, ["denote"]).atoms
+    if atoms.get("bad"):
+        reasons = ", ".join(str(reason) for _, reason in atoms["bad"])
+        raise InternalError(f"rules/denote.lp: {description} is not legal: {reasons}")
+    axioms = {expression: node for expression, node in atoms["axiom"]}
+    variable, root = compound("var", description.variable), _node(body, axioms)
+    props = {str(word) for _, word in atoms.get("props", [])}
+    numbers = {found for leaf in _leaves(root) if (found := compared_in(leaf, variable))}
+    compared = {comparison(*found): found for found in sorted(numbers)}
+    return Circuit(variable, root, tuple(sorted({*props, *compared})), compared)
+
+
+def expression_term(expression: Expression) -> Term:
+    """Return an expression as `denote.lp` reads it."""
+    match expression:
+        case And(left, right):
+            return compound("and", expression_term(left), expression_term(right))
+        case Or(left, right):
+            return compound("or", expression_term(left), expression_term(right))
+        case Exists(variable, body):
+            return compound("exists", variable, expression_term(body))
+        case Atom(word, args):
+            pairs = reduce(lambda rest, first: compound("", argument_term(first), rest), reversed(args), _NOTHING)
+            return compound("r", constant_of(word), pairs)
+
+
+def _node(expression: Term, axioms: Mapping[Term, Term]) -> Node:
+    axiom = axioms.get(expression)
+    match axiom:
+        case Compound("belief", (str(relation), args)):
+            return Leaf(relation, tuple(_unpaired(args)))
+        case Compound("product", (left, right)):
+            return Product(_node(left, axioms), _node(right, axioms))
+        case Compound("either", (left, right)):
+            return Either(_node(left, axioms), _node(right, axioms))
+        case Compound("either_over", (variable, inner)):
+            return EitherOver(compound("var", variable), _node(inner, axioms))
+    raise InternalError(f"rules/denote.lp gives {axiom} for {expression}; expected a circuit node")
+
+
+def _leaves(node: Node) -> Iterator[Leaf]:
+    match node:
+        case Leaf():
+            yield node
+        case Product(left, right) | Either(left, right):
+            yield from _leaves(left)
+            yield from _leaves(right)
+        case EitherOver(_, inner):
+            yield from _leaves(inner)
+
+
+def compared_in(leaf: Leaf, variable: Term) -> tuple[str, int] | None:
+    """Return relation and number, in thousandths, of a comparison of what a variable stands for; None if it is none."""
+    match leaf.args:
+        case (one, Compound("number", (int(thousandths),))) if one == variable:
+            return leaf.relation, thousandths
+    return None
+
+
+def _unpaired(pairs: Term) -> Iterable[Term]:
+    while isinstance(pairs, Compound) and pairs.args:
+        first, pairs = pairs.args
+        yield first
+
+
+# ---------------------------------------------------------------- evaluating
+
+
+def evaluate(circuit: Circuit, belief: GroundBeliefs, vocabulary: Vocabulary) -> dict[str, float]:
+    """Return P(Den) of the description for every known anchor, in the belief's order."""
+    beliefs = _Beliefs(belief, vocabulary)
+    values = _value(circuit.root, ((circuit.variable, beliefs.anchors),), beliefs)
+    return dict(zip(beliefs.anchors, map(float, values * beliefs.exist), strict=True))
+
+
+def evaluate_at(anchor: str, circuit: Circuit, belief: GroundBeliefs, vocabulary: Vocabulary) -> float:
+    """Return P(Den) of the description for one known anchor."""
+    value = _value(circuit.root, ((circuit.variable, (anchor,)),), _Beliefs(belief, vocabulary))
+    return float(value[0]) * belief.prob_exists(anchor)
+
+
+class _Beliefs:
+    """Beliefs in ground relations over the anchors, each asked for once."""
+
+    def __init__(self, belief: GroundBeliefs, vocabulary: Vocabulary) -> None:
+        self._belief, self._vocabulary = belief, vocabulary
+        self._memo: dict[tuple[str, tuple[Term, ...]], float] = {}
+        self.anchors = belief.anchors()
+        self._known = frozenset(self.anchors)
+
+    @cached_property
+    def exist(self) -> NDArray[np.float64]:
+        """P(it exists) of each anchor."""
+        return np.array([self._belief.prob_exists(anchor) for anchor in self.anchors], dtype=np.float64)
+
+    def ground(self, relation: str, args: tuple[Term, ...]) -> float:
+        """Return b(R(c1, .., cn)); 0 if it is about an unknown anchor.
+
+        Raises:
+            InternalError: If the vocabulary has no such relation.
+        """
+        key = relation, args
+        if key not in self._memo:
+            self._memo[key] = self._ask(relation, args)
+        return self._memo[key]
+
+    def _ask(self, relation: str, args: tuple[Term, ...]) -> float:
+        words = self._vocabulary
+        known = self._known.issuperset(a for a in args if isinstance(a, str))
+        match args:
+            case (str(anchor),) if relation in words.meanings:
+                return self._belief.prob_property(anchor, words.meanings[relation]) if known else 0.0
+            case (str(anchor), str(support)) if relation == "on":
+                return self._belief.prob_on(anchor, support) if known else 0.0
+            case (str(anchor), str(other)) if relation in words.near_m:
+                return self._belief.prob_near(anchor, other, words.near_m[relation]) if known else 0.0
+            case (str(anchor), Compound("number", (int(thousandths),))) if relation in words.exceeds:
+                above = words.exceeding(relation, thousandths)
+                return self._belief.prob_property(anchor, above) if known else 0.0
+        raise InternalError(f"{Compound(relation, args)} cannot be evaluated: no such relation of such arguments")
+
+
+_Axes = tuple[tuple[Term, tuple[str, ...]], ...]  # variables, each with the anchors it ranges over
+
+
+def _value(node: Node, axes: _Axes, beliefs: _Beliefs) -> NDArray[np.float64]:
+    """Return the value of a node, with one axis per variable in `axes`, of length 1 where it does not depend on it."""
+    match node:
+        case Leaf():
+            return _leaf(node, axes, beliefs)
+        case Product(left, right):
+            return _value(left, axes, beliefs) * _value(right, axes, beliefs)
+        case Either(left, right):
+            a, b = _value(left, axes, beliefs), _value(right, axes, beliefs)
+            return a + b - a * b
+        case EitherOver(variable, inner):
+            some: NDArray[np.float64] = (
+                1.0 - _value(inner, (*axes, (variable, beliefs.anchors)), beliefs) * beliefs.exist
+            )
+            none: NDArray[np.float64] = np.prod(some, axis=-1)
+            return 1.0 - none
+
+
+def _leaf(leaf: Leaf, axes: _Axes, beliefs: _Beliefs) -> NDArray[np.float64]:
+    """Return b(R(..)) for every choice of anchors for the variables of an atom."""
+    used = [variable for variable, _ in axes if variable in leaf.args]
+    shape = tuple(len(anchors) if variable in used else 1 for variable, anchors in axes)
+    places = [used.index(arg) if arg in used else None for arg in leaf.args]
+    values = [
+        beliefs.ground(
+            leaf.relation,
+            tuple(arg if i is None else chosen[i] for i, arg in zip(places, leaf.args, strict=True)),
+        )
+        for chosen in product(*(anchors for variable, anchors in axes if variable in used))
+    ]
+    return np.array(values, dtype=np.float64).reshape(shape)
+
+
+class WithStranger:
+    """A belief with one more object in it, which is in a region and otherwise as any object may be."""
+
+    def __init__(self, belief: OpenBeliefs, region: str) -> None:
+        self._belief, self._region = belief, region
+
+    @property
+    def version(self) -> int:
+        """As the belief's."""
+        return self._belief.version
+
+    def anchors(self) -> tuple[str, ...]:
+        """The known anchors and the stranger."""
+        return (*self._belief.anchors(), STRANGER)
+
+    def prob_exists(self, anchor: str) -> float:
+        """1 for the stranger: what is asked is given that it exists."""
+        return 1.0 if anchor == STRANGER else self._belief.prob_exists(anchor)
+
+    def prob_property(self, anchor: str, meaning: Meaning) -> float:
+        """The prior of an arbitrary object for the stranger."""
+        if anchor == STRANGER:
+            return self._belief.prob_property_of_new(meaning)
+        return self._belief.prob_property(anchor, meaning)
+
+    def prob_on(self, anchor: str, support: str) -> float:
+        """1 for the stranger on the region's support."""
+        if anchor == STRANGER:
+            return float(support == self._belief.region_support(self._region))
+        return 0.0 if support == STRANGER else self._belief.prob_on(anchor, support)
+
+    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """Of the stranger: that the other is in the same region, where it may turn out to be near."""
+        if STRANGER not in (anchor, other):
+            return self._belief.prob_near(anchor, other, distance_m)
+        if anchor == other:
+            return 1.0
+        return self._belief.prob_on(other if anchor == STRANGER else anchor, self._belief.region_support(self._region))

@@ -1,0 +1,204 @@
+"""A goal in one belief: what its variables may stand for, whether it is achieved, and what comes closest to it."""
+
+import itertools
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.planning.denotations import Denotations
+from skolem.reasoner.planning.offers import RuleOffers
+from skolem.reasoner.planning.patterns import Mutexes, mentions
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.regression import Subgoal
+from skolem.reasoner.planning.situation import Situation
+from skolem.reasoner.protocols import BeliefQueries, Geometry
+from skolem.reasoner.rulebook.book import ABOUT_DESCRIPTIONS, Rulebook
+from skolem.reasoner.terms import Compound, Term, compound, substitute
+
+Binding = Mapping[Term, Term]
+
+
+@dataclass(frozen=True, slots=True)
+class Closest:
+    """The instantiation of a goal that comes closest to it.
+
+    Attributes:
+        probability: Product of the probabilities of its fluents.
+        anchor: The object a description of the goal is about; None if the goal names none.
+        conjuncts: Of that object, P of every property the descriptions turn on.
+    """
+
+    probability: float = 0.0
+    anchor: str | None = None
+    conjuncts: dict[str, float] = field(default_factory=dict)
+
+
+class PosedGoal:
+    """A goal, posed of one version of the belief.
+
+    Attributes:
+        situation: Which fluents hold.
+        offers: What the rules offer.
+    """
+
+    def __init__(
+        self,
+        goal: Goal,
+        rulebook: Rulebook,
+        denotations: Denotations,
+        belief: BeliefQueries,
+        geometry: Geometry | None,
+        mutexes: Mutexes,
+        fruitless_here: Collection[Term] = (),
+    ) -> None:
+        self._goal = goal
+        self._belief = belief
+        self._denotations = denotations
+        self.situation = Situation(
+            belief,
+            geometry,
+            lambda expression, anchor: denotations.probability(expression, anchor, belief),
+            lambda expression, region: denotations.probability_of_new(expression, region, belief),
+            denotations.meanings,
+            fruitless_here,
+        )
+        queries = Queries(self.situation, denotations.alternatives)
+        self.offers = RuleOffers(rulebook, self.situation, queries, mutexes)
+        self.instantiations = self._instantiate()
+
+    def achieved(self) -> Subgoal | None:
+        """Return the first instantiation all of whose fluents hold."""
+        return next((root for root in self.instantiations if self.holds_all(root)), None)
+
+    def holds_all(self, fluents: Subgoal) -> bool:
+        """Test a conjunction, what geometry has to be asked about last: it is the dearest."""
+        return all(map(self.situation.holds, sorted(fluents, key=lambda f: (_is_geometric(f), str(f)))))
+
+    def satisfied(self, fluents: Subgoal) -> Binding | None:
+        """Return under which binding of Skolem constants a conjunction holds; one anchor must satisfy all of it."""
+        constants = sorted({s for f in fluents for s in _skolems(f)}, key=str)
+        if not constants:
+            return {} if self.holds_all(fluents) else None
+        for anchors in itertools.permutations(self.situation.anchors(), len(constants)):
+            binding: dict[Term, Term] = dict(zip(constants, anchors, strict=True))
+            if self.holds_all(frozenset(substitute(f, binding) for f in fluents)):
+                return binding
+        return None
+
+    def closest(self) -> Closest:
+        """Return the instantiation without Skolem constants that is most probable now.
+
+        Of equally probable ones it is one about a thing that hands can move, then one whose object is likelier meant.
+        """
+        known = [root for root in self.instantiations if not any(mentions(f, "sk") for f in root)]
+        anchors = self.situation.anchors()
+        if not known:
+            return self._nearest(anchors)
+
+        def merit(root: Subgoal) -> tuple[float, bool, float]:
+            about = _subject(root, anchors)
+            movable = about is not None and self._belief.graspable(about)
+            return self._probability(root), movable, self._probability(root, "den")
+
+        best = max(known, key=merit)
+        anchor = _subject(best, anchors)
+        return Closest(self._probability(best), anchor, {} if anchor is None else self._conjuncts(anchor))
+
+    def _nearest(self, anchors: tuple[str, ...]) -> Closest:
+        """Return what comes nearest to the descriptions of the goal, where they denote nothing that is known."""
+        found = [(conjuncts, anchor) for anchor in anchors if (conjuncts := self._conjuncts(anchor))]
+        if not found:
+            return Closest()
+        conjuncts, anchor = max(found, key=lambda each: nearness(each[0], each[1], self._belief))
+        return Closest(0.0, anchor, conjuncts)
+
+    def _probability(self, root: Subgoal, kind: str = "") -> float:
+        """Return the product over the beliefs of a conjunction, 0 if anything else in it is false; or over one kind."""
+        if not kind and not all(self.situation.holds(f) for f in root if isinstance(f, Compound) and f.name != "b"):
+            return 0.0
+        phis = [f.args[0] for f in sorted(root, key=str) if isinstance(f, Compound) and f.name == "b"]
+        return math.prod(
+            self.situation.probability(phi)
+            for phi in phis
+            if not kind or (isinstance(phi, Compound) and phi.name == kind)
+        )
+
+    def _conjuncts(self, anchor: str) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for expression in self._goal.expressions:
+            found |= self._denotations.conjuncts(expression, anchor, self._belief)
+        return found
+
+    def _instantiate(self) -> tuple[Subgoal, ...]:
+        """Return the goal once per choice of what its variables stand for, as the rules offer them.
+
+        Anchors come in order of introduction, Skolem constants last; with equal costs the earlier choice is taken.
+        """
+        variables = [compound("var", name) for name in self._goal.variables]
+        facts = [compound("posed", f) for f in self._goal.fluents] + [compound("open", v) for v in variables]
+        offered = self.offers.ask(facts).get("instance", []) if variables else []
+        places: dict[Term, int] = {anchor: i for i, anchor in enumerate(self.situation.anchors())}
+        choices = [
+            sorted((t for v, t in offered if v == variable), key=lambda t: places.get(t, len(places)))
+            for variable in variables
+        ]
+        return tuple(
+            frozenset(substitute(f, dict(zip(variables, chosen, strict=True))) for f in self._goal.fluents)
+            for chosen in itertools.product(*choices)
+        )
+
+
+def read_mutexes(rulebook: Rulebook) -> Mutexes:
+    """Return the exclusions that the rules state, in whichever file; those of other files may follow from anything."""
+    stating = rulebook.stating(("mutex", 2))
+    every = [file.name for file, _ in rulebook.sources if file.name != ABOUT_DESCRIPTIONS]
+    files = stating if stating == ("mutex",) else every
+    return Mutexes((f, g) for f, g in rulebook.solve([], None, files).atoms.get("mutex", []))
+
+
+def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | None:
+    """Return the object that makes the goal hold in a belief, "" if the goal names none; None if it does not hold.
+
+    No geometry is needed: a goal speaks of the world, not of what can be done.
+    """
+    posed = PosedGoal(goal, rulebook, Denotations(goal.expressions, rulebook), belief, None, Mutexes([]))
+    root = posed.achieved()
+    return None if root is None else _subject(root, belief.anchors()) or ""
+
+
+def nearness(conjuncts: Mapping[str, float], anchor: str, belief: BeliefQueries) -> tuple[bool, float, float]:
+    """Return how near an object comes to what is meant, for comparison.
+
+    Things that hands can move come first; then counts P of all but the property that it is least likely to have, then P
+    of that.
+
+    Args:
+        conjuncts: P of every property that the descriptions turn on; there is at least one.
+        anchor: The object.
+        belief: What is believed of it.
+    """
+    *rest, least = sorted(conjuncts.values(), reverse=True)
+    return belief.graspable(anchor), belief.prob_exists(anchor) * math.prod(rest), least
+
+
+def _is_geometric(fluent: Term) -> bool:
+    return isinstance(fluent, Compound) and fluent.name in ("at", "clear", "aside")
+
+
+def _skolems(term: Term) -> set[Term]:
+    if not mentions(term, "sk"):
+        return set()
+    assert isinstance(term, Compound)
+    return {term} if term.name == "sk" else {s for a in term.args for s in _skolems(a)}
+
+
+def _subject(root: Subgoal, anchors: tuple[str, ...]) -> str | None:
+    """Return the object a description of the goal is about, or the first anchor it names."""
+    for fluent in sorted(root, key=str):
+        match fluent:
+            case Compound("b" | "bn", (Compound(_, args), *_)) | Compound("krd", args):
+                named = [a for a in args if a in anchors]
+                if named:
+                    return str(named[0])
+    return None

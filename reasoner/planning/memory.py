@@ -1,0 +1,37 @@
+"""Steps as a trace keeps them, and back: all of a step that matters once it is on the plan stack."""
+
+from skolem.reasoner.planning.hierarchy import plan_step
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.regression import Step
+from skolem.reasoner.terms import Term, parse_term
+from skolem.traces.messages import RememberedStep
+
+_PRICE = "recalled"  # the single reason that stands for the costs of a recalled step
+_DEMANDED = "recalled"  # the single precondition that stands for those of a recalled step
+
+
+def remembered(step: Step) -> RememberedStep:
+    """Return a step of the stack for the trace."""
+    instance = step.instance
+    return RememberedStep(
+        **dict(plan_step(step)),
+        instance=str(instance.step),
+        called=str(instance.called),
+        executes=None if instance.executes is None else str(instance.executes),
+    )
+
+
+def recalled(step: RememberedStep) -> Step:
+    """Return the step that `remembered` kept, with its price and its concrete level but not what they are made of."""
+    instance = Instance(
+        step=parse_term(step.instance),
+        called=parse_term(step.called),
+        costs=frozenset({(_PRICE, step.cost)}),
+        preconditions=frozenset({(_DEMANDED, step.concrete)}),
+        executes=None if step.executes is None else parse_term(step.executes),
+    )
+    return Step(instance, step.level, _conjunction(step.subgoal), _conjunction(step.preimage))
+
+
+def _conjunction(fluents: tuple[str, ...]) -> frozenset[Term]:
+    return frozenset(map(parse_term, fluents))

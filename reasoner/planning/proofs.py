@@ -1,0 +1,174 @@
+"""Why the rules say what they say: derivations of atoms, rule by rule, with file and line and what the belief answered.
+
+For every rule `H :- B.` a second one is grounded that notes H with B, so that the derivation is clingo's own and not a
+second reading of the rules. `not` and comparisons are not noted; `X = @query(..)` is.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import clingo
+from clingo import ast
+from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+
+from skolem.reasoner.rulebook.book import COMPILED, Rulebook
+from skolem.reasoner.rulebook.validate import INPUT
+from skolem.reasoner.terms import Compound, Term, from_symbol, to_symbol
+from skolem.traces.errors import InternalError, SkolemError
+
+_NOTE: Final = "why__"
+_ASKED: Final = "asked__"
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """An atom, and the rule that gives it.
+
+    Attributes:
+        atom: What is derived.
+        file: Name of the rule's file; empty for what was given or asked.
+        line: Its line.
+        premises: The derivations of the positive atoms of its body, and queries with their answers.
+    """
+
+    atom: Term
+    file: str = ""
+    line: int = 0
+    premises: "tuple[Proof, ...]" = ()
+
+    @property
+    def place(self) -> str:
+        """`pick.lp:29`; empty for what was given."""
+        return f"{self.file}.lp:{self.line}" if self.file else ""
+
+
+class Derivation:
+    """Everything that the rules derive from some facts in one belief, with the rule for each atom."""
+
+    def __init__(self, rulebook: Rulebook, facts: Sequence[Term], queries: object) -> None:
+        """Ground the rules.
+
+        Raises:
+            InternalError: If clingo has anything to say.
+        """
+        names = [file.name for file, _ in rulebook.sources]
+        self._notes: dict[Term, tuple[str, int, tuple[Term, ...]]] = {}
+        messages: list[str] = []
+        control = clingo.Control(["--warn=none"], logger=lambda _code, text: messages.append(text))
+        with ast.ProgramBuilder(control) as builder:
+            for number, (file, statements) in enumerate(rulebook.sources):
+                if file.name not in COMPILED:
+                    for statement in statements:
+                        if statement.ast_type is not ASTType.ShowSignature:
+                            builder.add(statement)
+                        for noted in _noted(statement, number):
+                            builder.add(noted)
+            text = "".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT))
+            ast.parse_string(text + "".join(f"{fact}. " for fact in facts), builder.add)
+        try:
+            control.ground([("base", [])], context=_Context(queries))
+        except RuntimeError as error:
+            raise InternalError(f"clingo stopped: {'; '.join(messages) or error}") from error
+        for atom in control.symbolic_atoms.by_signature(_NOTE, 4):
+            place, line, head, body = atom.symbol.arguments
+            premises = tuple(map(from_symbol, body.arguments))
+            note = (names[place.number], line.number, premises)
+            key = from_symbol(head)
+            self._notes[key] = min(self._notes.get(key, note), note, key=str)
+
+    def proof(self, atom: Term, above: frozenset[Term] = frozenset()) -> Proof:
+        """Return the derivation of an atom; itself alone if it was given."""
+        if isinstance(atom, Compound) and atom.name == _ASKED:
+            return Proof(Compound("=", atom.args))
+        if atom not in self._notes or atom in above:
+            return Proof(atom)
+        file, line, premises = self._notes[atom]
+        return Proof(atom, file, line, tuple(self.proof(premise, above | {atom}) for premise in premises))
+
+    def atoms(self, name: str, arity: int) -> list[Compound]:
+        """Return the derived atoms of a predicate, sorted."""
+        found = [a for a in self._notes if isinstance(a, Compound) and (a.name, len(a.args)) == (name, arity)]
+        return sorted(found, key=str)
+
+
+class _Context:
+    """Passes @function calls on to a queries object, in terms."""
+
+    def __init__(self, queries: object) -> None:
+        self._queries = queries
+
+    def __getattr__(self, name: str) -> object:
+        def call(*symbols: clingo.Symbol) -> clingo.Symbol | list[clingo.Symbol]:
+            try:
+                found: Term | list[Term] = getattr(self._queries, name)(*map(from_symbol, symbols))
+            except (SkolemError, LookupError):
+                # clingo may order a noted body otherwise than the rule's own, and ask before what guards the question.
+                # Where the rule would have asked too, it would have failed in the run; else the guard is false.
+                return []
+            return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
+
+        return call
+
+
+def _noted(statement: AST, number: int) -> Iterable[AST]:
+    """Yield the rule that notes what a rule derives and from what."""
+    if statement.ast_type is not ASTType.Rule:
+        return
+    where = statement.location
+    wildcards = _Wildcards()
+    body = [wildcards.visit(e) if _is_positive(e) else e for e in statement.body]
+    premises = [premise for element in body if _is_positive(element) for premise in _premises(element)]
+    args = [
+        ast.SymbolicTerm(where, clingo.Number(number)),
+        ast.SymbolicTerm(where, clingo.Number(where.begin.line)),
+        statement.head.atom.symbol,
+        ast.Function(where, "", premises, 0),
+    ]
+    head = ast.Literal(where, Sign.NoSign, ast.SymbolicAtom(ast.Function(where, _NOTE, args, 0)))
+    yield ast.Rule(where, head, body)
+
+
+class _Wildcards(ast.Transformer):
+    """Gives every `_` a name, so that a copy of the body means the same."""
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def visit_Variable(self, variable: AST) -> AST:
+        """Return the variable, named."""
+        if variable.name != "_":
+            return variable
+        self._count += 1
+        return variable.update(name=f"Any{self._count}")
+
+
+def _is_positive(element: AST) -> bool:
+    return element.ast_type is ASTType.Literal and bool(element.sign == Sign.NoSign)
+
+
+def _premises(literal: AST) -> Iterable[AST]:
+    atom, where = literal.atom, literal.location
+    if atom.ast_type is ASTType.SymbolicAtom:
+        yield atom.symbol
+    if atom.ast_type is ASTType.Comparison and len(atom.guards) == 1:
+        guard = atom.guards[0]
+        sides = (atom.term, guard.term)
+        for call, value in (sides, sides[::-1]):
+            is_call = call.ast_type is ASTType.Function and call.external
+            if is_call and guard.comparison == ComparisonOperator.Equal and not _calls(value):
+                question = ast.Function(where, call.name, call.arguments, 0)
+                yield ast.Function(where, _ASKED, [question, value], 0)
+
+
+def _calls(term: AST) -> bool:
+    return bool(term.ast_type is ASTType.Function and term.external)
+
+
+def rules_used(proof: Proof) -> Mapping[str, Proof]:
+    """Return the proofs inside a proof by the place of their rule, outermost first."""
+    found = {proof.place: proof} if proof.file else {}
+    for premise in proof.premises:
+        for place, inner in rules_used(premise).items():
+            found.setdefault(place, inner)
+    return found

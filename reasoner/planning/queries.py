@@ -1,0 +1,183 @@
+"""The questions that rules may ask of the belief: each public method of `Queries` is an @function of the rule files.
+
+Pure functions of (belief version, arguments): clingo may call one several times. Probabilities cross as -ln p in
+integer micro-nats, no answer is an empty list.
+"""
+
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Final
+
+from skolem.reasoner.planning import gaussians
+from skolem.reasoner.planning.situation import Situation, hand_named, quantity_named
+from skolem.reasoner.terms import Compound, Term, nll, prob
+from skolem.traces.messages import TypeIs
+
+IMPLAUSIBLE: Final = 0.001  # P of being meant, or of holding what is: what is less likely is not worth a look
+_REPEATED: Final = 0.5
+
+Alternatives = Mapping[str, tuple[tuple[str, ...], ...]]  # expression -> sets of properties, each enough for it
+
+
+class Queries:
+    """Answers for one situation."""
+
+    def __init__(self, situation: Situation, alternatives: Alternatives) -> None:
+        self._now = situation
+        self._alternatives = alternatives
+        self._known = frozenset(situation.anchors())
+
+    def anchors(self) -> list[Term]:
+        """Every anchor believed to exist."""
+        return list(self._now.anchors())
+
+    def rigid(self, obj: Term) -> Term:
+        """1 if the term is an anchor, a rigid designator, else 0."""
+        return int(obj in self._known)
+
+    def plausible(self, expression: str) -> list[Term]:
+        """The anchors that the description may denote, likeliest first."""
+        priced = [(nll(self._den(expression, a)), i, a) for i, a in enumerate(self._now.anchors())]
+        return [a for cost, _, a in sorted(priced) if cost <= nll(IMPLAUSIBLE)]
+
+    def present(self, expression: str, anchor: str) -> Term:
+        """-ln P_p: how likely the description denotes the anchor now."""
+        return nll(self._den(expression, anchor))
+
+    def searchable(self, expression: str, p: int) -> list[Term]:
+        """(region, -ln P(ExistsIn)) for each region that may hold what is meant and is not yet known to the bound p."""
+        found: list[Term] = []
+        for region in self._now.belief.regions():
+            cost = nll(self._now.probability(Compound("exists_in", (expression, region))))
+            if cost <= nll(IMPLAUSIBLE) and nll(self._now.belief.prob_contents(region)) > p:
+                found.append(Compound("", (region, cost)))
+        return found
+
+    def blockers(self, activity: Term) -> list[Term]:
+        """The movable anchors that stand in the way of an activity."""
+        return list(self._now.blockers(activity))
+
+    def props_for(self, expression: str, anchor: str, p: int) -> list[Term]:
+        """PropsFor: of each set of properties that suffices, those believed less than their even share of the bound.
+
+        All of the set if those alone would not tell of which set they are; to be sure of the others then costs nothing.
+        """
+        found: list[Term] = []
+        for words in self._alternatives[expression]:
+            share = p // len(words)
+            unsure = [w for w in words if self.believed(w, anchor) > share]
+            props = Compound("", tuple(unsure or words))
+            found.append(props if self._set_of(expression, props) == words else Compound("", words))
+        return found
+
+    def portion(self, expression: str, props: Compound, anchor: str, p: int) -> Term:
+        """The part of the bound that falls to `props`: an even share for each property of the set it comes from."""
+        return p * len(props.args) // len(self._set_of(expression, props))
+
+    def settled(self, expression: str, props: Compound) -> list[Term]:
+        """The properties of the set that `props` comes from which are believed enough now, if there are any."""
+        rest = tuple(word for word in self._set_of(expression, props) if word not in props.args)
+        return [Compound("", rest)] if rest else []
+
+    def together(self, props: Compound, anchor: str) -> Term:
+        """-ln P(the anchor has each of the properties)."""
+        return nll(self._now.probability(Compound("holds", (props, anchor))))
+
+    def doubt(self, anchor: str) -> Term:
+        """-ln P(there is such an object)."""
+        return nll(self._now.belief.prob_exists(anchor))
+
+    def each(self, props: Compound) -> list[Term]:
+        """(number of properties, property) for each of them."""
+        return [Compound("", (len(props.args), word)) for word in props.args]
+
+    def believed(self, word: str, anchor: str) -> int:
+        """-ln P(the anchor has the property)."""
+        return nll(self._now.prob_word(word, anchor))
+
+    def quantity(self, word: str) -> list[Term]:
+        """The quantity that a property is about: type, colour or weight."""
+        meaning = self._now.meanings.get(word)
+        return [] if meaning is None else [meaning.quantity]
+
+    def favourable(self, word: str, anchor: str, p: int) -> Term:
+        """-ln P(one observation lifts the belief in the property to the bound | the property is true).
+
+        Never dearer than even odds, since an observation that falls short can be repeated.
+        """
+        return nll(max(_REPEATED, self._now.belief.prob_favourable(anchor, self._now.meanings[word], prob(p))))
+
+    def band(self, word: str, anchor: str, p: int) -> list[Term]:
+        """(mu, Sigma, Delta) of the quantity so that the property follows; nothing if no observation gets there."""
+        meaning = self._now.meanings[word]
+        if isinstance(meaning, TypeIs):
+            return []
+        found = gaussians.band(
+            meaning,
+            self._now.belief.gaussian(meaning.quantity, anchor),
+            self._now.belief.observation_covariance(meaning.quantity, anchor),
+            prob(p),
+        )
+        return [] if found is None else [Compound("", found)]
+
+    def before_look(self, quantity: str, anchor: str, sigma: Term) -> Term:
+        """Sigma needed before one observation of the quantity; `any` if the sensor alone suffices."""
+        sensor = self._now.belief.observation_covariance(quantity_named(quantity), anchor)
+        return gaussians.before_observation(sigma, sensor)
+
+    def before_reading(self, anchor: str, word: str, p: int) -> Term:
+        """-ln of the belief in a type needed before one favourable look."""
+        return nll(gaussians.before_reading(prob(p), self._now.belief.prob_type_right()))
+
+    def detected(self, anchor: str) -> Term:
+        """-ln P(a look reports the object)."""
+        return nll(self._now.belief.prob_detected(anchor))
+
+    def in_hand(self, hand: str) -> list[Term]:
+        """The anchor in that hand, if any."""
+        held = self._now.belief.held(hand_named(hand))
+        return [] if held is None else [held]
+
+    def graspable(self, thing: Term) -> Term | list[Term]:
+        """1 if a hand can close on the anchor's most likely type, else 0; nothing for what is not met yet."""
+        return int(self._now.belief.graspable(str(thing))) if thing in self._known else []
+
+    def supports(self) -> list[Term]:
+        """Anchors things can be put on: those no hand can hold."""
+        return [a for a in self._now.anchors() if not self._now.belief.graspable(a)]
+
+    def support_of(self, anchor: str) -> list[Term]:
+        """What the anchor rests on, if that is an anchor."""
+        support = self._now.belief.support(anchor)
+        return [support] if support in self._known else []
+
+    def standing_on(self, support: Term) -> list[Term]:
+        """The anchors that rest on another one."""
+        occupied, on = self._rests_on
+        if support not in occupied:
+            return []
+        return [anchor for anchor, its in zip(self._now.anchors(), on, strict=True) if its == support]
+
+    @cached_property
+    def _rests_on(self) -> tuple[frozenset[str | None], tuple[str | None, ...]]:
+        """All that anything rests on, and what each anchor rests on: most things that are asked for carry nothing."""
+        on = tuple(map(self._now.belief.support, self._now.anchors()))
+        return frozenset(on), on
+
+    def distance(self, anchor: str) -> Term:
+        """From the base to the anchor, millimetres."""
+        mean = self._now.belief.gaussian("pose", anchor).mean
+        return round(1000 * math.hypot(float(mean[0]), float(mean[1])))
+
+    def yaw_observable(self, anchor: str) -> Term:
+        """1 if a look tells the object's yaw, 0 if it cannot, as for a cylinder."""
+        sd = math.sqrt(float(self._now.belief.observation_covariance("pose", anchor)[2, 2]))
+        return int(sd < math.pi / 4)
+
+    def _set_of(self, expression: str, props: Compound) -> tuple[str, ...]:
+        """Return the largest set of properties that suffices and contains `props`."""
+        return max((words for words in self._alternatives[expression] if set(props.args) <= set(words)), key=len)
+
+    def _den(self, expression: str, anchor: str) -> float:
+        return self._now.probability(Compound("den", (expression, anchor)))

@@ -1,0 +1,249 @@
+"""Best-first regression: from a goal backwards to what is believed now.
+
+A node is a conjunction of fluents. An expansion takes a fluent that is false now and a rule instance that achieves it,
+removes what the instance's results entail and adds the preconditions it demands at its level. Nothing that holds now is
+dropped on the way, since an earlier step could destroy it. A plan's cost is the sum of -ln p over its steps
+(section "Basic mechanisms"), so the first node whose fluents all hold gives the most likely open-loop plan.
+
+Equal costs are decided by risk (the plan whose risky steps come early wins), then by length, then by the order in which
+roots and names are given.
+"""
+
+import heapq
+import itertools
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from skolem.reasoner.planning.instances import Instance, title
+from skolem.reasoner.planning.patterns import Mutexes, entails
+from skolem.reasoner.terms import CAP_MICRONATS, Term, matches
+from skolem.traces.messages import Candidate
+
+_PER_ROOT = 10  # expansions that each root may take at least: of many objects none is left out for lack of them
+
+Subgoal = frozenset[Term]
+
+
+class Offers(Protocol):
+    """Where rule instances and the truth of fluents come from."""
+
+    @property
+    def mutexes(self) -> Mutexes:
+        """The exclusions of the rules."""
+        ...
+
+    def offers(self, fluent: Term) -> tuple[Instance, ...]:
+        """Every instance that achieves the fluent, rejected ones too."""
+        ...
+
+    def prepare(self, fluents: Iterable[Term]) -> None:
+        """Take notice that the offers for these fluents will be asked for: together they are found faster."""
+        ...
+
+    def holds(self, fluent: Term) -> bool:
+        """Whether the fluent is true in the present belief."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A step of a plan: an instance at a level, between two conjunctions."""
+
+    instance: Instance
+    level: int
+    subgoal: Subgoal
+    preimage: Subgoal
+
+    @property
+    def is_concrete(self) -> bool:
+        """Whether every precondition is demanded, so that it can be carried out."""
+        return self.level >= self.instance.concrete
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """Outcome of one search.
+
+    Attributes:
+        steps: In execution order; None if there is no plan.
+        cost: Of the plan, micro-nats.
+        bound: What every plan costs at least, micro-nats; equal to `cost` if no plan is likelier than this one.
+        expansions: Nodes expanded.
+        candidates: What was offered or rejected when the roots were expanded.
+        exhausted: False if the search stopped at its limit of expansions.
+        priced_out: Whether something was left out for its price: another limit might let a plan be found.
+    """
+
+    steps: tuple[Step, ...] | None
+    cost: int
+    expansions: int
+    candidates: tuple[Candidate, ...]
+    exhausted: bool = True
+    bound: int = 0
+    priced_out: bool = False
+
+    @property
+    def within(self) -> float | None:
+        """The factor of the cheapest plan's cost that this plan costs at most; 1: optimal; None: nothing is known."""
+        if self.steps is None or self.bound == 0 < self.cost:
+            return None
+        return 1.0 if self.cost == self.bound else self.cost / self.bound
+
+
+_Entry = tuple[int, int, int, int, Subgoal, tuple[Step, ...]]  # cost, risk, length, order; subgoal, steps after it
+
+
+def regress(
+    roots: Sequence[Subgoal],
+    offers: Offers,
+    level_of: Callable[[Instance], int],
+    refused: Callable[[Instance, int], bool],
+    max_expansions: int,
+    max_cost: int,
+    final: Term | None = None,
+    optimal: bool = False,
+) -> Found:
+    """Return the cheapest plan that makes all fluents of one of `roots` true.
+
+    Steps achieve fluents that are false now; only if there is no such plan, or if the optimum is asked for, steps that
+    achieve again what an earlier one destroyed are tried too. Without them a plan may miss the optimum; by how much at
+    most is told by `Found.within`.
+
+    Args:
+        roots: Conjunctions of ground fluents, best first where costs are equal.
+        offers: Rule instances and the truth of fluents now.
+        level_of: The abstraction level at which an instance is to be used.
+        refused: Whether an instance at a level has failed to be refined or executed in this belief.
+        max_expansions: Nodes to expand before giving up; with very many roots, ten for each.
+        max_cost: Plans dearer than this are not worth trying, micro-nats.
+        final: The operation the plan must end with; None for any.
+        optimal: Whether no plan at all may be cheaper, at the price of more expansions.
+    """
+    found = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=optimal)
+    if found.steps is None and found.exhausted and not optimal:
+        second = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=True)
+        found = replace(second, expansions=found.expansions + second.expansions)
+    return found
+
+
+def search(
+    roots: Sequence[Subgoal],
+    offers: Offers,
+    level_of: Callable[[Instance], int],
+    refused: Callable[[Instance, int], bool],
+    max_expansions: int,
+    max_cost: int,
+    final: Term | None,
+    again: bool,
+) -> Found:
+    """Return the cheapest plan as `regress` does; `again` says whether fluents that hold now may be achieved again.
+
+    Optimality. Nodes leave the queue in the order of their cost plus a heuristic that is 0 everywhere. That is
+    admissible: no step costs less than nothing, so that what is still to be paid is never overestimated. (More is not
+    known of all rules: a step may achieve by the way, at any price, a fluent that it was not offered for.) So the first
+    node whose fluents all hold is the cheapest plan of those that were searched.
+
+    The bound. A plan that was not searched has, seen from the goal, a first step that achieves again what holds. If the
+    node at which it does so was expanded, the step was passed over there, and the plan costs at least as much as this
+    step and all after it. If that node was still in the queue, all after it cost at least as much as the plan found.
+    """
+    serial = itertools.count()
+    priced_out = False
+    left_out = max_cost + 1  # the least cost at which a step that achieves again what holds was passed over
+    queue: list[_Entry] = [(0, 0, 0, next(serial), root, ()) for root in roots]
+    considered: dict[str, Candidate] = {}
+    seen: set[Subgoal] = set()
+    offers.prepare(sorted({f for root in roots for f in root if not offers.holds(f)}, key=str))
+    while queue:
+        cost, risk, length, _, goal, steps = heapq.heappop(queue)
+        if goal in seen:
+            continue
+        open_fluents = [f for f in sorted(goal, key=str) if not offers.holds(f)]
+        if not open_fluents:
+            return Found(steps, cost, len(seen), _sorted(considered), bound=min(cost, left_out))
+        if len(seen) >= max(max_expansions, _PER_ROOT * len(roots)):
+            return Found(None, 0, len(seen), _sorted(considered), exhausted=False)
+        seen.add(goal)
+        for instance, repeats in _achievers(open_fluents, goal, offers):
+            if length == 0 and final is not None and instance.called != final:
+                continue
+            total = cost + instance.price
+            if repeats and not again and total >= left_out:
+                continue
+            level = min(level_of(instance), instance.concrete)
+            before, reason = _regressed(instance, level, goal, offers.mutexes)
+            if reason is None and refused(instance, level):
+                reason = "refused_in_this_belief"
+            if repeats and not again:
+                left_out = total if reason is None else left_out
+                continue
+            if reason is None and total > max_cost:
+                reason, priced_out = "too_unlikely", True
+            if length == 0:
+                name = title(instance.called)
+                considered.setdefault(
+                    name, Candidate(op=name, cost=min(instance.price, CAP_MICRONATS), rejected=reason)
+                )
+            if reason is None:
+                step = Step(instance, level, goal, before)
+                heapq.heappush(queue, (total, risk + cost, length + 1, next(serial), before, (step, *steps)))
+    return Found(None, 0, len(seen), _sorted(considered), priced_out=priced_out)
+
+
+def _sorted(considered: dict[str, Candidate]) -> tuple[Candidate, ...]:
+    return tuple(sorted(considered.values(), key=lambda c: (c.cost, c.op)))
+
+
+def _achievers(open_fluents: Sequence[Term], goal: Subgoal, offers: Offers) -> list[tuple[Instance, bool]]:
+    """Return the instances to expand, cheapest first, and whether each achieves nothing but what holds already.
+
+    If those of one open fluent are immediate, only they are returned: what an inference needs and gives does not change
+    with its place in the plan, so that it may as well be the last step.
+    """
+    offers.prepare(open_fluents)
+    for fluent in open_fluents:
+        immediate = [i for i in offers.offers(fluent) if i.immediate]
+        if immediate:
+            return [(i, False) for i in immediate]
+    offers.prepare(sorted(goal, key=str))
+    merged: dict[Term, tuple[Instance, bool]] = {}
+    for fluents, repeats in ((open_fluents, False), (sorted(goal.difference(open_fluents), key=str), True)):
+        for fluent in fluents:
+            for instance in offers.offers(fluent):
+                known = merged.get(instance.step)
+                merged[instance.step] = (instance, repeats) if known is None else (known[0].merged(instance), known[1])
+    return sorted(merged.values(), key=lambda found: (found[0].price, str(found[0].step)))
+
+
+def _regressed(instance: Instance, level: int, goal: Subgoal, mutexes: Mutexes) -> tuple[Subgoal, str | None]:
+    """Return what must hold before the instance so that `goal` holds after it, or why there is no such thing."""
+    if instance.rejected:
+        return goal, instance.rejected[0]
+    if level > 0 and instance.on_placeholder:
+        return goal, "acts_on_placeholder"
+    rest = [f for f in sorted(goal, key=str) if not any(entails(r, f) for r in instance.results)]
+    if len(rest) == len(goal):
+        return goal, "achieves_nothing"
+    for fluent in rest:
+        if any(mutexes.exclude(r, fluent) for r in instance.results) or any(
+            matches(pattern, fluent) for pattern in instance.destroys
+        ):
+            return goal, f"clobbers_by_result {fluent}"
+        if any(mutexes.exclude(p, fluent) for p in instance.postponed(level)):
+            return goal, f"clobbers_by_postponed {fluent}"
+    demanded = instance.demanded(level)
+    for needed in demanded:
+        for fluent in [*rest, *demanded]:
+            if mutexes.exclude(needed, fluent):
+                return goal, f"inconsistent {needed} {fluent}"
+    return _joined(rest, demanded), None
+
+
+def _joined(rest: Iterable[Term], demanded: Iterable[Term]) -> Subgoal:
+    """Return the conjunction without fluents that another one entails."""
+    joined: list[Term] = []
+    for fluent in [*rest, *demanded]:
+        if not any(entails(f, fluent) for f in joined):
+            joined = [f for f in joined if not entails(fluent, f)] + [fluent]
+    return frozenset(joined)

@@ -1,0 +1,218 @@
+"""Which fluents hold now: the one place where terms of the rules meet the belief and the geometry.
+
+A `Situation` is one version of the belief; every answer is kept for as long as that version lasts.
+"""
+
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping
+
+from skolem.reasoner.planning import gaussians
+from skolem.reasoner.planning.patterns import mentions
+from skolem.reasoner.protocols import Activity, BeliefQueries, Geometry
+from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
+from skolem.traces.errors import InternalError
+from skolem.traces.messages import HANDS, SENSING_HAND, Hand, Meaning, Quantity
+
+_ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
+QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")
+Denotation = Callable[[str, str], float]  # (expression constant, anchor) -> P(Den)
+Stranger = Callable[[str, str], float]  # (expression constant, region) -> P(an arbitrary object there is what is meant)
+
+
+class Situation:
+    """Truth and probability of fluents in one belief.
+
+    Attributes:
+        belief: The belief.
+        meanings: What the words mean.
+        fruitless_here: Commands that were in vain from where the robot stands: from here they are not to be repeated.
+    """
+
+    def __init__(
+        self,
+        belief: BeliefQueries,
+        geometry: Geometry | None,
+        denotation: Denotation,
+        stranger: Stranger,
+        meanings: Mapping[str, Meaning],
+        fruitless_here: Collection[Term] = (),
+    ) -> None:
+        self.belief = belief
+        self._geometry = geometry
+        self.meanings = meanings
+        self._denotation = denotation
+        self.fruitless_here = fruitless_here
+        self._stranger = stranger
+        self._anchors = belief.anchors()
+        self._holds: dict[Term, bool] = {}
+        self._probability: dict[Term, float] = {}
+
+    def holds(self, fluent: Term) -> bool:
+        """Return whether a ground fluent is true now; nothing is true of a Skolem constant.
+
+        Raises:
+            InternalError: If the fluent is of a kind no rule may use.
+        """
+        if fluent not in self._holds:
+            self._holds[fluent] = not mentions(fluent, "sk") and self._evaluate(fluent)
+        return self._holds[fluent]
+
+    def probability(self, phi: Term) -> float:
+        """Return P(phi) for what a `b(phi, p)` is about."""
+        if phi not in self._probability:
+            self._probability[phi] = self._probability_of(phi)
+        return self._probability[phi]
+
+    @property
+    def geometry(self) -> Geometry:
+        """What answers geometric questions.
+
+        Raises:
+            InternalError: If there is none: a goal was only to be evaluated.
+        """
+        if self._geometry is None:
+            raise InternalError("a geometric fluent was asked for where there is no geometry")
+        return self._geometry
+
+    def anchors(self) -> tuple[str, ...]:
+        """Return the universe: every anchor believed to exist, in order of introduction."""
+        return self._anchors
+
+    def _evaluate(self, fluent: Term) -> bool:
+        match fluent:
+            case Compound("b", (phi, int(p))):
+                return nll(self.probability(phi)) <= p
+            case Compound("bn", (Compound(quantity, (str(anchor),)), mu, sigma, delta, p)):
+                return self._gaussian_holds(quantity, anchor, mu, sigma, delta, p)
+            case Compound("krd", (anchor,)):
+                return anchor in self._anchors
+            case Compound("holding", (str(anchor),)):
+                return self.hand_of(anchor) is not None
+            case Compound("loose", (str(anchor),)):
+                return self.hand_of(anchor) is None
+            case Compound("held", (str(hand), str(anchor))):
+                return self.belief.held(hand_named(hand)) == anchor
+            case Compound("empty", (str(hand),)):
+                return self.belief.held(hand_named(hand)) is None
+            case Compound("at", (activity,)):
+                wanted = self.activity(activity)
+                return wanted is not None and self.geometry.ready(wanted) is not None
+            case Compound("clear", (activity,)):
+                return not self.blockers(activity)
+            case Compound("aside", (str(anchor), activity)):
+                return anchor not in self.blockers(activity)
+        raise InternalError(f"the rules ask for {fluent}, which is not a fluent the belief or the geometry can answer")
+
+    def _gaussian_holds(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term, p: Term) -> bool:
+        if anchor not in self._anchors:
+            return False
+        if quantity == "pose" and mu == ANY and self.hand_of(anchor) is not None:
+            return True
+        known = quantity_named(quantity)
+        return gaussians.holds(known, self.belief.gaussian(known, anchor), mu, sigma, delta, p)
+
+    def _probability_of(self, phi: Term) -> float:
+        match phi:
+            case Compound("den", (str(expression), str(anchor))):
+                return self._denotation(expression, anchor)
+            case Compound("exists", (str(anchor),)):
+                return self.belief.prob_exists(anchor)
+            case Compound("on", (str(anchor), str(support))):
+                return self.belief.prob_exists(anchor) * self.belief.prob_on(anchor, support)
+            case Compound("contents", (str(region),)):
+                return self.belief.prob_contents(region)
+            case Compound("exists_in", (str(expression), str(region))):
+                return self.belief.prob_exists_in(region, self._stranger(expression, region))
+            case Compound("prop" | "supposed", (str(word), str(anchor))):
+                return self._prob_all((word,), anchor)
+            case Compound("type", (str(anchor), str(word))):
+                return self._prob_all((word,), anchor)
+            case Compound("holds", (Compound("", words), str(anchor))):
+                return self._prob_all(map(str, words), anchor)
+        raise InternalError(f"the rules ask for the probability of {phi}, which the belief cannot answer")
+
+    def _prob_all(self, words: Iterable[str], anchor: str) -> float:
+        """Return P(the object has each of some properties), given that it exists; 0 if that is not believed."""
+        if anchor not in self._anchors:
+            return 0.0
+        return math.prod(self.prob_word(word, anchor) for word in words)
+
+    def prob_word(self, word: str, anchor: str) -> float:
+        """Return P(the object has the property), given that it exists.
+
+        Raises:
+            InternalError: If the vocabulary has no such word.
+        """
+        if word not in self.meanings:
+            raise InternalError(f"no property {word!r}; there are: {', '.join(sorted(self.meanings))}")
+        return self.belief.prob_property(anchor, self.meanings[word])
+
+    def blockers(self, activity: Term) -> tuple[str, ...]:
+        """Return what stands in the way of an activity; nothing does while its object is in a hand."""
+        wanted = self.activity(activity)
+        if wanted is None or self.hand_of(wanted.anchor) is not None:
+            return ()
+        return self.geometry.blockers(wanted)
+
+    def hand_of(self, anchor: str) -> Hand | None:
+        """Return the hand that holds the anchor."""
+        return next((hand for hand in HANDS if self.belief.held(hand) == anchor), None)
+
+    def objection(self, executes: Term) -> tuple[Term, str] | None:
+        """Return what a command lacks that no planning can give it as things are held, and the same in words."""
+        match executes:
+            case Compound("weigh", (str(anchor),)) if self.hand_of(anchor) not in (None, SENSING_HAND):
+                lacking = compound("held", SENSING_HAND, anchor)
+                return lacking, (
+                    f"{executes} was asked for with {anchor} in the {self.hand_of(anchor)} hand, but only the "
+                    f"{SENSING_HAND} wrist has a force-torque sensor: a rule that executes weigh(O) must demand "
+                    f"held({SENSING_HAND}, O)"
+                )
+        return None
+
+    def activity(self, term: Term) -> Activity | None:
+        """Return what a term such as `pick(right, o)` asks of the geometry; None if it cannot be as things are.
+
+        Raises:
+            InternalError: If there is no such activity.
+        """
+        match term:
+            case Compound("look", (str(anchor),)):
+                elsewhere = term in self.fruitless_here
+                return Activity("look", anchor, elsewhere=elsewhere) if self.hand_of(anchor) is None else None
+            case Compound("pick", (str(hand), str(anchor))):
+                return Activity("pick", anchor, hand_named(hand))
+            case Compound("look_region", (str(region),)):
+                return Activity("look_region", region)
+            case Compound("place", (str(anchor), str(support), other)):
+                holder = self.hand_of(anchor)
+                clear_of = None if other == "nothing" else self.activity(other)
+                return None if holder is None else Activity("place", anchor, holder, support, clear_of)
+            case Compound("weigh", (str(anchor),)):
+                holder = self.hand_of(anchor)
+                return None if holder is None else Activity("weigh", anchor, holder)
+        raise InternalError(f"the rules name the activity {term}; there are {_ACTIVITIES}")
+
+
+def hand_named(name: str) -> Hand:
+    """Return the hand of that name.
+
+    Raises:
+        InternalError: If there is none.
+    """
+    for hand in HANDS:
+        if hand == name:
+            return hand
+    raise InternalError(f"the rules name the hand {name!r}; there are {', '.join(HANDS)}")
+
+
+def quantity_named(name: str) -> Quantity:
+    """Return the quantity of that name.
+
+    Raises:
+        InternalError: If there is none.
+    """
+    for quantity in QUANTITIES:
+        if quantity == name:
+            return quantity
+    raise InternalError(f"the rules name the quantity {name!r}; there are {', '.join(QUANTITIES)}")

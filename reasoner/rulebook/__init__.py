@@ -1,0 +1,1 @@
+"""Rule files: read, judged, and asked through clingo. May import: language."""

@@ -1,0 +1,232 @@
+"""The rule files: loaded, validated and parsed once; solved anew for every question."""
+
+import hashlib
+import weakref
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from importlib import resources
+from pathlib import Path
+from typing import Any, Final
+
+from clingo.ast import AST
+
+from skolem.reasoner.rulebook.asking import Asked
+from skolem.reasoner.rulebook.examination import examine
+from skolem.reasoner.rulebook.files import RuleFile, explain
+from skolem.reasoner.rulebook.parts import Atom, Signature, Statement
+from skolem.reasoner.rulebook.questions import Question, Questions
+from skolem.reasoner.rulebook.vocabulary import Vocabulary
+from skolem.reasoner.terms import Compound, Term
+from skolem.traces.errors import Fault, InputError, InternalError
+
+RULE_FILES: Final = (  # the table of contents of the folder rules/
+    "vocabulary",  # words and their meanings
+    "denote",  # what a description means
+    "infer",  # from descriptions to properties to quantities
+    "find",  # from descriptions to regions
+    "look",
+    "look_region",
+    "weigh",
+    "clear",
+    "pick",
+    "place",
+    "move",
+    "mutex",  # what may not hold together
+    "regress",  # what one regression step hands over
+)
+ABOUT_DESCRIPTIONS: Final = "denote"  # the one file that is not about steps
+COMPILED: Final = (ABOUT_DESCRIPTIONS, "mutex")  # asked once, before: left out of the questions of a search
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The shown atoms of one answer set.
+
+    Attributes:
+        atoms: By predicate, the argument tuples of its atoms, sorted by text.
+        ground_atoms: Number of atoms in the ground program: the measure of its size.
+    """
+
+    atoms: dict[str, list[tuple[Term, ...]]]
+    ground_atoms: int
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """What follows from each of several questions.
+
+    Attributes:
+        atoms: Per question its shown atoms, as in `Answer`.
+        ground_atoms: Number of atoms in the ground program for all of them.
+        asked: Whether clingo was called: it is not if no rule can fire.
+    """
+
+    atoms: list[dict[str, list[tuple[Term, ...]]]]
+    ground_atoms: int
+    asked: bool
+
+
+@dataclass(frozen=True)
+class Rulebook:
+    """Rule files that passed validation.
+
+    Attributes:
+        vocabulary: The words they define.
+        files: File name to content, in the order in which they are loaded.
+        warnings: What is allowed but probably not meant.
+    """
+
+    vocabulary: Vocabulary
+    files: Mapping[str, bytes]
+    warnings: tuple[Fault, ...]
+    _statements: Mapping[str, Sequence[Statement]] = field(repr=False)
+    _sources: Sequence[RuleFile] = field(repr=False)
+    _ready: dict[tuple[str, ...], Questions] = field(default_factory=dict, repr=False)  # by the names of their files
+
+    @classmethod
+    def load(cls, queries_type: type, extra: Sequence[Path] = (), folder: Path | None = None) -> "Rulebook":
+        """Return the rules that ship with the product and those of the user.
+
+        Args:
+            queries_type: The class whose public methods rules may call as @functions.
+            extra: A user's own rule files.
+            folder: Holds every file of `RULE_FILES`, to be used instead of those that ship; None for those.
+
+        Raises:
+            InputError: With every fault in every file.
+        """
+        sources, faults = rule_files(extra, folder)
+        _raise(faults)
+        return cls.of(queries_type, sources)
+
+    @classmethod
+    def of(cls, queries_type: type, sources: Sequence[RuleFile]) -> "Rulebook":
+        """Return the rules in files that were read already, in the order in which they are to be loaded.
+
+        Raises:
+            InputError: With every fault in every file.
+        """
+        examined = examine(sources, queries_type)
+        _raise(examined.faults)
+        statements = {file.name: found for file, found in examined.files}
+        contents = {f"{file.name}.lp": file.content for file in sources}
+        book = cls(examined.vocabulary, contents, examined.warnings, statements, sources)
+        weakref.finalize(
+            book, _clear, statements, book._ready
+        )  # at exit, syntax trees must be gone before clingo's library is
+        return book
+
+    @property
+    def sources(self) -> tuple[tuple[RuleFile, Sequence[AST]], ...]:
+        """Every rule file with the syntax trees of its statements, in the order in which they are loaded."""
+        return tuple((file, tuple(s.tree for s in self._statements[file.name])) for file in self._sources)
+
+    def stating(self, predicate: Signature) -> tuple[str, ...]:
+        """Return the names of the files with facts or rules of a predicate, without `.lp`."""
+        return tuple(
+            name
+            for name, statements in self._statements.items()
+            if any(isinstance(s.head, Atom) and predicate in s.head.signatures for s in statements)
+        )
+
+    @property
+    def sha256(self) -> dict[str, str]:
+        """SHA-256 of every file, by file name."""
+        return {name: hashlib.sha256(content).hexdigest() for name, content in self.files.items()}
+
+    def solve(self, facts: Iterable[Term], queries: object, files: Sequence[str] | None = None) -> Answer:
+        """Return what follows from `facts`.
+
+        Args:
+            facts: Ground atoms, each `goal(..)` or another input of the rules.
+            queries: Answers the @functions: methods from terms to a term or a list of terms.
+            files: Names of the rule files to use, without `.lp`; None for all.
+
+        Raises:
+            InternalError: If clingo has anything to say, a query fails, or there is not exactly one answer set.
+        """
+        answers = self.solve_each([tuple(facts)], Asked(queries), files)
+        return Answer(answers.atoms[0], answers.ground_atoms)
+
+    def solve_each(self, questions: Sequence[Question], asked: Asked, files: Sequence[str] | None = None) -> "Answers":
+        """Return what follows from each of some sets of facts, as if it were alone, from one call of clingo.
+
+        Args:
+            questions: Sets of facts, as for `solve`.
+            asked: Answers the @functions.
+            files: Names of the rule files to use, without `.lp`; None for all.
+
+        Raises:
+            InternalError: As `solve`.
+        """
+        unknown = [name for name in files or () if name not in self._statements]
+        if unknown:
+            raise InternalError(f"no rule file {unknown[0]!r}; there are: {', '.join(self._statements)}")
+        names = tuple(self._statements if files is None else files)
+        if names not in self._ready:
+            self._ready[names] = Questions([statement for name in names for statement in self._statements[name]])
+        solved = self._ready[names].solve(questions, asked)
+        if solved.messages:
+            raise InternalError("\n".join(str(fault) for fault in explain(solved.messages, self._sources)))
+        if solved.models != 1:
+            raise InternalError(f"the rules {', '.join(names)} have {solved.models or 'no'} answer sets instead of one")
+        return Answers([_by_predicate(shown) for shown in solved.shown], solved.ground_atoms, solved.asked)
+
+
+def _by_predicate(shown: Iterable[Term]) -> dict[str, list[tuple[Term, ...]]]:
+    found: dict[str, list[tuple[Term, ...]]] = {}
+    for term in sorted(shown, key=str):
+        name, args = (term.name, term.args) if isinstance(term, Compound) else (str(term), ())
+        found.setdefault(name, []).append(args)
+    return found
+
+
+def _clear(*kept: dict[Any, Any]) -> None:
+    for each in kept:
+        each.clear()
+
+
+def rule_files(extra: Sequence[Path] = (), folder: Path | None = None) -> tuple[list[RuleFile], list[Fault]]:
+    """Return the rule files that ship with the product and those of the user, and why some cannot be read.
+
+    Args:
+        extra: A user's own rule files.
+        folder: Holds every file of `RULE_FILES`, to be used instead of those that ship; None for those.
+    """
+    faults: list[Fault] = []
+    if folder is None:
+        with ExitStack() as stack:
+            place = resources.files("skolem.rules")
+            paths = [stack.enter_context(resources.as_file(place / f"{name}.lp")) for name in RULE_FILES]
+            shipped = [RuleFile(p.stem, f"rules/{p.name}", str(p), p.read_bytes(), own=False) for p in paths]
+    else:
+        found, faults = _own_files([folder / f"{name}.lp" for name in RULE_FILES], set())
+        shipped = [replace(file, own=False) for file in found]
+    own, refused = _own_files(extra, {file.name for file in shipped})
+    return [*shipped, *own], faults + refused
+
+
+def _own_files(paths: Sequence[Path], taken: set[str]) -> tuple[list[RuleFile], list[Fault]]:
+    """Return the rule files at some paths, and why others are none."""
+    found, faults = [], []
+    for path in paths:
+        try:
+            file = RuleFile(path.stem, str(path), str(path), path.read_bytes(), own=True)
+        except OSError as error:
+            faults.append(Fault(str(path), 0, 0, f"cannot be read: {error.strerror}"))
+            continue
+        if path.suffix != ".lp":
+            faults.append(Fault(str(path), 0, 0, "expected a rule file whose name ends in .lp"))
+        elif file.name in taken:
+            faults.append(Fault(str(path), 0, 0, f"there is another rule file named {path.name}; rename one of them"))
+        else:
+            found.append(file)
+        taken = taken | {file.name}
+    return found, faults
+
+
+def _raise(faults: Iterable[Fault]) -> None:
+    found = list(dict.fromkeys(faults))
+    if found:
+        raise InputError(found)

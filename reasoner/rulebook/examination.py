@@ -1,0 +1,196 @@
+"""Rule files examined: read, checked, grounded without a goal; every fault that one reading of them can tell.
+
+A fault does not stop the examination. What it concerns is set aside, and what may be missing because of it is kept as
+`Doubt`, so that nothing is said that would not hold once it is mended.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import clingo
+from clingo import ast
+from clingo.ast import AST, ASTType
+
+from skolem.reasoner.rulebook.files import RuleFile, explain, parse
+from skolem.reasoner.rulebook.parts import Atom, Signature, Statement
+from skolem.reasoner.rulebook.questions import CLINGO_OPTIONS
+from skolem.reasoner.rulebook.validate import INPUT, OUTPUT, check
+from skolem.reasoner.rulebook.vocabulary import WORD_FACTS, Place, Vocabulary, read_vocabulary
+from skolem.reasoner.terms import Compound, Term, from_symbol
+from skolem.traces.errors import Fault, InternalError
+
+_ABOUT_NAMES: Final = re.compile(r"info: atom does not occur in any rule head")  # told by the check of names, better
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """What may be missing from rule files because of their faults.
+
+    Attributes:
+        whole: Whether every statement was understood; if not, anything may be missing.
+        uncertain: Predicates of which some rules may be missing.
+        words: Whether some words may have no meaning because of a fault.
+    """
+
+    whole: bool = True
+    uncertain: frozenset[Signature] = frozenset()
+    words: bool = False
+
+    def __bool__(self) -> bool:
+        """Return whether anything may be missing."""
+        return not self.whole or bool(self.uncertain) or self.words
+
+    def about(self, needed: Iterable[Signature]) -> bool:
+        """Return whether rules of some predicates may be missing."""
+        return not self.whole or not self.uncertain.isdisjoint(needed)
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What rule files say, and what is wrong with them.
+
+    Attributes:
+        vocabulary: The words they define.
+        faults: What is wrong, in no order.
+        warnings: What is allowed but probably not meant.
+        doubt: What may be missing because of the faults.
+        files: Every file with the statements that are as they should be.
+    """
+
+    vocabulary: Vocabulary
+    faults: tuple[Fault, ...]
+    warnings: tuple[Fault, ...]
+    doubt: Doubt
+    files: Sequence[tuple[RuleFile, Sequence[Statement]]] = field(repr=False)
+
+    @property
+    def sources(self) -> tuple[tuple[RuleFile, Sequence[AST]], ...]:
+        """Every file with the syntax trees of these statements."""
+        return tuple((file, tuple(s.tree for s in statements)) for file, statements in self.files)
+
+
+def examine(sources: Sequence[RuleFile], queries_type: type, complete: bool = True) -> Examined:
+    """Return what rule files say when they are loaded together.
+
+    Args:
+        sources: The files, in the order in which they are to be loaded.
+        queries_type: The class whose public methods are the @functions.
+        complete: Whether these are all the files that are meant; if not, nothing is said of what is missing.
+    """
+    faults: list[Fault] = []
+    files: list[tuple[RuleFile, Sequence[Statement]]] = []
+    for file in sources:
+        trees, found = parse(file)
+        faults += found
+        files.append((file, [Statement.of(tree) for tree in trees]))
+    whole = complete and not faults
+    checked = check(files, queries_type, whole)
+    faults += checked.faults
+    kept = [(file, [s for s in statements if s not in checked.refused]) for file, statements in files]
+    grounded, control = _grounded(kept, strict=whole and not faults)
+    faults += grounded
+    certain = whole and not checked.uncertain and not grounded
+    vocabulary, wrong, warnings = read_vocabulary(_word_facts(control, kept), certain)
+    doubt = Doubt(whole, checked.uncertain, bool(wrong) or not certain)
+    return Examined(vocabulary, tuple(dict.fromkeys([*faults, *wrong])), tuple(warnings), doubt, kept)
+
+
+# ---------------------------------------------------------------- grounding without a goal
+
+
+class _NoAnswers:
+    """Queries that know nothing: for reading facts."""
+
+    def __getattr__(self, name: str) -> Callable[..., list[Term]]:
+        return lambda *_: []
+
+
+_Files = Sequence[tuple[RuleFile, Sequence[Statement]]]
+
+
+def _grounded(files: _Files, strict: bool) -> tuple[list[Fault], clingo.Control]:
+    """Return what clingo has to say about rules, and the rules grounded without those that it cannot take.
+
+    Args:
+        files: The rules.
+        strict: Whether everything that clingo remarks is a fault; if not, what concerns undefined atoms is not.
+    """
+    faults: list[Fault] = []
+    left = [(file, list(statements)) for file, statements in files]
+    while True:
+        messages: list[str] = []
+        control = _facts_alone((s for _, statements in left for s in statements), messages)
+        told = [m for m in messages if (strict and not faults) or not _ABOUT_NAMES.search(m)]
+        found = explain(told, [file for file, _ in left])
+        faults += found
+        if control is not None:
+            return faults, control
+        fewer = [(file, [s for s in statements if not _concerns(found, file, s)]) for file, statements in left]
+        if sum(len(s) for _, s in fewer) == sum(len(s) for _, s in left):
+            fewer = [(file, []) for file, _ in left]  # clingo did not say which: nothing is left that it could refuse
+        left = fewer
+
+
+def _concerns(faults: Iterable[Fault], file: RuleFile, statement: Statement) -> bool:
+    """Return whether a fault stands inside a statement."""
+    begin, end = statement.tree.location.begin, statement.tree.location.end
+    first, last = (begin.line, begin.column), (end.line, end.column)
+    return any(fault.file == file.title and first <= (fault.line, fault.column) <= last for fault in faults)
+
+
+def _facts_alone(statements: Iterable[Statement], messages: list[str]) -> clingo.Control | None:
+    """Return the rules grounded without any question, None if that cannot be; clingo's words go to `messages`."""
+    control = clingo.Control(list(CLINGO_OPTIONS), logger=lambda _code, text: messages.append(text), message_limit=100)
+    with ast.ProgramBuilder(control) as builder:
+        for statement in statements:
+            builder.add(statement.tree)
+        ast.parse_string("".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT)), builder.add)
+    try:
+        control.ground([("base", [])], context=_NoAnswers())
+    except RuntimeError as error:
+        if not messages:
+            raise InternalError(f"clingo stopped: {error}") from error
+        return None
+    return control
+
+
+# ---------------------------------------------------------------- words
+
+
+def _word_facts(control: clingo.Control, files: _Files) -> list[tuple[Compound, Place]]:
+    """Return the atoms that give words a meaning, each with its place."""
+    places = _places(files)
+    found = []
+    for signature in WORD_FACTS.items():
+        for atom in control.symbolic_atoms.by_signature(*signature):
+            fact = from_symbol(atom.symbol)
+            assert isinstance(fact, Compound)
+            found.append((fact, places.get(str(fact)) or places[f"{signature[0]}/{signature[1]}"]))
+    return found
+
+
+def _places(files: _Files) -> Mapping[str, Place]:
+    """Return where each word fact stands, by its text, and where each predicate of word facts is derived first."""
+    found: dict[str, Place] = {}
+    for file, statements in files:
+        for statement in statements:
+            head = statement.head
+            if not isinstance(head, Atom):
+                continue
+            for name, arity in OUTPUT.intersection(head.signatures):
+                place = Place(*_begin(statement.tree), file.fault, file.own, _arguments(head.place))
+                found.setdefault(head.text.replace(" ", ""), place)
+                found.setdefault(f"{name}/{arity}", place)
+    return found
+
+
+def _arguments(symbol: AST) -> tuple[tuple[int, int], ...]:
+    """Return the line and column of each argument; none if there are several atoms in one."""
+    return tuple(map(_begin, symbol.arguments)) if symbol.ast_type is ASTType.Function else ()
+
+
+def _begin(node: AST) -> tuple[int, int]:
+    begin = node.location.begin
+    return begin.line, begin.column
