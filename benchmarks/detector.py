@@ -15,8 +15,8 @@ from benchmarks.tables import Table, Target
 from skolem.estimation.se2 import symmetric
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.detector import detect
-from skolem.sim.likelihood import HEIGHT_SD_PER_M2, OUTLINE_SD_PER_M2
+from skolem.sim.detector.detect import detect
+from skolem.sim.detector.likelihood import HEIGHT_SD_PER_M2, OUTLINE_SD_PER_M2
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 from skolem.traces.messages.likeliest import likeliest
 

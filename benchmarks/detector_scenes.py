@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import PCG64, Generator, SeedSequence
 
-from skolem.sim import bodies, camera
-from skolem.sim.cloud import Cloud, Frame, cloud_from_depth
-from skolem.sim.noise import Purpose, extrinsic_error, noisy_depth, stream
+from skolem.sim.detector.cloud import Cloud, cloud_from_depth
+from skolem.sim.physics import camera
+from skolem.sim.robot import bodies
+from skolem.sim.space.pinhole import Frame
+from skolem.sim.truth.noise import Purpose, extrinsic_error, noisy_depth, stream
 from skolem.traces.messages import NoiseModel, ObjectType, Pose4
 
 Vector3 = tuple[float, float, float]

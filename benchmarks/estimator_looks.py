@@ -12,9 +12,9 @@ from skolem.estimation.belief import Belief
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Looked
 from skolem.estimation.se2 import between, compose, exp
-from skolem.sim.detector import pose_covariance
-from skolem.sim.symbolic_arm import CARRY
-from skolem.sim.symbolic_view import Solid, camera, depth_view
+from skolem.sim.detector.detect import pose_covariance
+from skolem.sim.symbolic.arm import CARRY
+from skolem.sim.symbolic.view import Solid, camera, depth_view
 from skolem.traces.messages import (
     Action,
     ActionResult,

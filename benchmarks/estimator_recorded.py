@@ -16,9 +16,9 @@ from benchmarks.headings import least_turn
 from skolem.estimation.belief import Belief
 from skolem.estimation.events import Began, Event
 from skolem.estimation.se2 import Matrix, between, flat, log as tangent
-from skolem.sim.pybullet_world import PyBulletWorld
-from skolem.sim.scenario import prior, true_bodies
-from skolem.sim.symbolic_view import head_towards
+from skolem.sim.physics.pybullet import PyBulletWorld
+from skolem.sim.scenario.scenario import prior, true_bodies
+from skolem.sim.symbolic.view import head_towards
 from skolem.tools import session
 from skolem.tools.live import watcher_for
 from skolem.tools.planners import WorldKind

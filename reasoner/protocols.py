@@ -1,6 +1,6 @@
 """What the reasoner asks of others: a belief to query and a geometry to consult.
 
-`skolem.estimation.Belief` satisfies `BeliefQueries`; `skolem.sim.planning` and `skolem.sim.symbolic` satisfy
+`skolem.estimation.Belief` satisfies `BeliefQueries`; `PlanningWorld` and `SymbolicGeometry` of `skolem.sim` satisfy
 `Geometry`. Tests satisfy both with a table.
 """
 

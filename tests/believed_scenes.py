@@ -2,8 +2,8 @@
 
 import math
 
-from skolem.sim.poses import compose4
-from skolem.sim.pr2 import CARRY
+from skolem.sim.robot.poses import compose4
+from skolem.sim.robot.pr2 import CARRY
 from skolem.traces.messages import Belief, Hand, HsvBelief, ObjectBelief, ObjectType, Pose2, Pose4, RobotState
 
 TYPES = {

@@ -23,7 +23,7 @@ from skolem.reasoner.planning.regression import Found, Step, regress
 from skolem.reasoner.protocols import BeliefQueries
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import nll, parse_term
-from skolem.sim.symbolic_view import Solid
+from skolem.sim.symbolic.view import Solid
 from skolem.traces.messages import (
     Action,
     ActionResult,

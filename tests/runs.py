@@ -14,7 +14,7 @@ from pathlib import Path
 
 from tabletop import EXACT, TYPES, near_table
 
-from skolem.sim.truth import TrueBody
+from skolem.sim.truth.bodies import TrueBody
 from skolem.tools.live import Silence
 from skolem.tools.planners import WorldKind
 from skolem.tools.session import Outcome, prepare, run
@@ -152,7 +152,7 @@ class Stage:
     """The robot before a table in the physics engine, led by hand; all is exact unless a noise model is given."""
 
     def __init__(self, things: list[TrueBody], noise: NoiseModel = EXACT, seed: int = 0) -> None:
-        from skolem.sim.pybullet_world import PyBulletWorld
+        from skolem.sim.physics.pybullet import PyBulletWorld
 
         self.world = PyBulletWorld(TYPES, near_table(*things), (0.0, 0.0, 0.0), 0.2, noise, seed)
         self.step = 0

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from tabletop import EXACT, looking
 
 from skolem.estimation.belief import Belief
-from skolem.sim.cloud import Frame
-from skolem.sim.symbolic_view import Solid, depth_view, in_sight
+from skolem.sim.space.pinhole import Frame
+from skolem.sim.symbolic.view import Solid, depth_view, in_sight
 from skolem.traces.messages import (
     Action,
     ActionResult,

@@ -4,10 +4,10 @@ import math
 from collections.abc import Sequence
 
 from skolem.reasoner.protocols import Geometry
-from skolem.sim.symbolic import SymbolicWorld
-from skolem.sim.symbolic_arm import CARRY, reach
-from skolem.sim.symbolic_geometry import SymbolicGeometry
-from skolem.sim.truth import TrueBody
+from skolem.sim.symbolic.arm import CARRY, reach
+from skolem.sim.symbolic.geometry import SymbolicGeometry
+from skolem.sim.symbolic.world import SymbolicWorld
+from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.messages import (
     Action,
     ActionResult,

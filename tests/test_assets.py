@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from skolem.sim import assets
+from skolem.sim.robot import assets
 
 
 @pytest.fixture(scope="module")
@@ -66,12 +66,20 @@ def test_the_identity_of_the_robot_is_a_hash_of_content() -> None:
 
 
 def test_importing_pybullet_says_nothing() -> None:
-    code = "from skolem.sim.bullet import p; print(p.DIRECT)"
+    code = "from skolem.sim.robot.bullet import p; print(p.DIRECT)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("2\n", "")
 
 
 def test_python_output_around_the_silence_survives() -> None:
-    code = "from skolem.sim.assets import quiet_output\nprint('a', end='')\nwith quiet_output():\n    pass\nprint('b')"
+    code = "\n".join(
+        [
+            "from skolem.sim.robot.assets import quiet_output",
+            "print('a', end='')",
+            "with quiet_output():",
+            "    pass",
+            "print('b')",
+        ]
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "ab\n"

@@ -3,9 +3,9 @@ from collections.abc import Iterator
 import believed_scenes as scenes
 import pytest
 
-from skolem.sim import bodies
-from skolem.sim.believed import BelievedWorld
-from skolem.sim.bullet import p
+from skolem.sim.planner.believed import BelievedWorld
+from skolem.sim.robot import bodies
+from skolem.sim.robot.bullet import p
 from skolem.traces.messages import Belief
 
 pytestmark = pytest.mark.physics

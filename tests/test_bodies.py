@@ -2,8 +2,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from skolem.sim import bodies
-from skolem.sim.bullet import p
+from skolem.sim.robot import bodies
+from skolem.sim.robot.bullet import p
 from skolem.traces.messages import ObjectType, Pose4
 
 TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.68), graspable=False)

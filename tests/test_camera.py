@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 from tabletop import BLUE, GREEN, HEAD, TABLE, TYPES, picture
 
-from skolem.sim import bodies, camera
-from skolem.sim.bullet import p
-from skolem.sim.cloud import pixel_rays
+from skolem.sim.physics import camera
+from skolem.sim.robot import bodies
+from skolem.sim.robot.bullet import p
+from skolem.sim.space.pinhole import pixel_rays
 
 PIXEL_STRIDE = 4
 AGREES_M = 1e-5

@@ -7,8 +7,8 @@ import believed_scenes as scenes
 import pytest
 
 from skolem.reasoner.protocols import Activity
-from skolem.sim.planning import PlanningWorld
-from skolem.sim.poses import compose2, compose4, raised
+from skolem.sim.planner.planner import PlanningWorld
+from skolem.sim.robot.poses import compose2, compose4, raised
 from skolem.traces.messages import Hand, MoveBase, ObjectBelief, Pick, Place, Pose2
 
 pytestmark = pytest.mark.physics

@@ -136,7 +136,7 @@ def test_scenario_schema_prints_the_schema_that_ships(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert called(monkeypatch, "scenario", "schema") == 0
-    assert capsys.readouterr().out == (ROOT / "sim" / "scenario.schema.json").read_text()
+    assert capsys.readouterr().out == (ROOT / "sim" / "scenario" / "schema.json").read_text()
 
 
 # ---------------------------------------------------------------- run
@@ -218,7 +218,7 @@ def test_show_of_something_that_is_no_trace_exits_with_3(
 def test_an_internal_error_exits_with_4_and_the_trace_is_closed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("skolem.sim.symbolic.SymbolicWorld.execute", lambda self, action: 1 / 0)
+    monkeypatch.setattr("skolem.sim.symbolic.world.SymbolicWorld.execute", lambda self, action: 1 / 0)
     trace = tmp_path / "a.mcap"
     assert called(monkeypatch, "run", GREEN, "--world", "symbolic", "-o", str(trace), "--json") == 4
     out, err = capsys.readouterr()
@@ -231,7 +231,7 @@ def test_an_internal_error_exits_with_4_and_the_trace_is_closed(
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_ctrl_c_exits_with_130_and_leaves_a_sound_trace(tmp_path: Path, number: signal.Signals) -> None:
     slow = (
-        "import sys, time; from skolem.sim.symbolic import SymbolicWorld as W; e = W.execute;"
+        "import sys, time; from skolem.sim.symbolic.world import SymbolicWorld as W; e = W.execute;"
         "W.execute = lambda world, action: (time.sleep(0.5), e(world, action))[1];"
         "from skolem.tools.cli import main; sys.exit(main())"
     )
@@ -264,7 +264,7 @@ def test_under_nohup_a_closed_terminal_ends_nothing() -> None:
 
 def test_a_terminal_that_is_closed_ends_the_run_and_leaves_a_sound_trace(tmp_path: Path) -> None:
     slow = (
-        "import sys, time; from skolem.sim.symbolic import SymbolicWorld as W; e = W.execute;"
+        "import sys, time; from skolem.sim.symbolic.world import SymbolicWorld as W; e = W.execute;"
         "W.execute = lambda world, action: (time.sleep(0.2), e(world, action))[1];"
         "from skolem.tools.cli import main; sys.exit(main())"
     )
@@ -285,7 +285,7 @@ def test_a_terminal_that_is_closed_ends_the_run_and_leaves_a_sound_trace(tmp_pat
 
 def test_ctrl_c_while_an_object_is_taken_down_is_not_lost(tmp_path: Path) -> None:
     dropped = (
-        "import signal, sys, time; from skolem.sim.symbolic import SymbolicWorld as W; e = W.execute\n"
+        "import signal, sys, time; from skolem.sim.symbolic.world import SymbolicWorld as W; e = W.execute\n"
         "class Dropped:\n    def __del__(self): signal.raise_signal(signal.SIGINT)\n"
         "W.execute = lambda world, action: (Dropped() and None, time.sleep(0.1), e(world, action))[2]\n"
         "from skolem.tools.cli import main; sys.exit(main())"

@@ -5,17 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 from tabletop import HEAD, NO_ERROR, TABLE, TABLE_M, picture
 
-from skolem.sim.cloud import (
-    ABOVE_PX,
-    BORDER_PX,
-    Frame,
-    cloud_from_depth,
-    depth_view,
-    misplaced,
-    pixel_rays,
-    without_own_body,
-)
-from skolem.sim.noise import Extrinsics
+from skolem.sim.detector.cloud import ABOVE_PX, BORDER_PX, cloud_from_depth, depth_view, misplaced, without_own_body
+from skolem.sim.space.pinhole import Frame, pixel_rays
+from skolem.sim.truth.noise import Extrinsics
 
 RENDERER_M = 2e-4  # depth buffers hold 32-bit floats
 ORIGIN = Frame(np.zeros(3), np.eye(3))

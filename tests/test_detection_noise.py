@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tabletop import EXACT, GREEN, HEAD, RED, TABLE, TABLE_M, TYPES, seen_cloud
 
-from skolem.sim.detection_noise import worsen
-from skolem.sim.detector import Seen, canonical_order, detect
+from skolem.sim.detector.detect import Seen, canonical_order, detect
+from skolem.sim.detector.worsen import worsen
 from skolem.traces.messages import Detection, NoiseModel
 
 LOOKS = 300

@@ -5,8 +5,8 @@ import pytest
 from numpy.typing import NDArray
 from tabletop import BLUE, CLEAR, EXACT, GREEN, RED, SHAKY, TABLE, TABLE_M, TYPES, Placed, looking, picture, seen_cloud
 
-from skolem.sim.cloud import BORDER_PX
-from skolem.sim.detector import Seen, canonical_order, detect
+from skolem.sim.detector.cloud import BORDER_PX
+from skolem.sim.detector.detect import Seen, canonical_order, detect
 from skolem.traces.messages import Detection, NoiseModel
 
 NEAR_M = 0.004  # a detection this near a thing, without calibration error, is of that thing

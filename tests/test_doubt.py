@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from skolem.sim import doubt
-from skolem.sim.doubt import Doubts
-from skolem.sim.poses import compose2, flat, inverse2, raised
+from skolem.sim.robot.poses import compose2, flat, inverse2, raised
+from skolem.sim.space import doubt
+from skolem.sim.space.doubt import Doubts
 from skolem.traces.messages import Belief, Pose2
 
 LIMIT_M = 10.0  # above every spread here

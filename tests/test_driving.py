@@ -5,9 +5,9 @@ from itertools import pairwise
 import believed_scenes as scenes
 import pytest
 
-from skolem.sim.believed import BelievedWorld
-from skolem.sim.driving import SHARPEST_TURN_RAD, drive
-from skolem.sim.poses import compose2
+from skolem.sim.planner.believed import BelievedWorld
+from skolem.sim.planner.driving import SHARPEST_TURN_RAD, drive
+from skolem.sim.robot.poses import compose2
 from skolem.traces.messages import Pose2
 
 pytestmark = pytest.mark.physics

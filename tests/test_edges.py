@@ -5,9 +5,10 @@ import pytest
 from numpy.typing import NDArray
 from tabletop import EXACT, GREEN, HEAD, RED, TABLE, TABLE_M, Placed, looking, seen_cloud
 
-from skolem.sim.cloud import Cloud, Frame, without_own_body
-from skolem.sim.edges import Top, tops
-from skolem.sim.supports import find_supports
+from skolem.sim.detector.cloud import Cloud, without_own_body
+from skolem.sim.detector.edges import Top, tops
+from skolem.sim.detector.supports import find_supports
+from skolem.sim.space.pinhole import Frame
 
 FOCAL_PX = 285.0
 DEPTH, WIDTH = 0.7, 1.1  # of the table

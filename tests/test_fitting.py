@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from tabletop import TYPES
 
-from skolem.sim.fitting import UNKNOWN_YAW_SD_RAD, fit_type
+from skolem.sim.detector.fitting import UNKNOWN_YAW_SD_RAD, fit_type
 
 NOISE_M = 0.002
 CAMERA_XY = np.zeros(2)

@@ -5,8 +5,8 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from skolem.sim.footprints import Footprint, collide, distance, footprint, overhang, overlaps
-from skolem.sim.poses import compose2
+from skolem.sim.robot.poses import compose2
+from skolem.sim.space.footprints import Footprint, collide, distance, footprint, overhang, overlaps
 from skolem.traces.messages import ObjectType, Pose2, Pose4
 
 CAN = ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.1), graspable=True)

@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from skolem.sim import grasps
-from skolem.sim.poses import compose4
+from skolem.sim.robot.poses import compose4
+from skolem.sim.space import grasps
 from skolem.traces.messages import ObjectType, Pose4
 
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True)

@@ -3,10 +3,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from skolem.sim import bodies, ik
-from skolem.sim.bullet import p
-from skolem.sim.poses import rotation
-from skolem.sim.pr2 import ARM, PR2, TORSO
+from skolem.sim.robot import bodies, ik
+from skolem.sim.robot.bullet import p
+from skolem.sim.robot.poses import rotation
+from skolem.sim.robot.pr2 import ARM, PR2, TORSO
 from skolem.traces.messages import HANDS, Hand
 
 TORSO_M = 0.15

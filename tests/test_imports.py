@@ -120,7 +120,7 @@ def test_what_all_may_import_stands_on_nothing_else_of_the_product(path: Path) -
         ("reasoner", "from skolem import sim"),
         ("reasoner", "import gtsam"),
         ("reasoner", "from skolem.traces.file.reader import Trace"),
-        ("estimation", "import skolem.sim.truth as truth"),
+        ("estimation", "import skolem.sim.truth.bodies as truth"),
         ("estimation", "from skolem.reasoner.protocols import Gaussian"),
         ("estimation", "import clingo.ast"),
         ("estimation", "def late():\n    import pybullet"),

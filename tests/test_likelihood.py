@@ -3,7 +3,7 @@ import math
 import pytest
 from tabletop import TYPES
 
-from skolem.sim.likelihood import MIXED, OUTLINE_SD_PER_M2, likeness, type_log_likelihood
+from skolem.sim.detector.likelihood import MIXED, OUTLINE_SD_PER_M2, likeness, type_log_likelihood
 
 FAR_M, NEAR_M = 2.0, 1.0
 SOUND_M = 0.0005  # an error that depth noise explains

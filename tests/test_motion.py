@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from skolem.sim import motion
-from skolem.sim.motion import Floats, Problem
+from skolem.sim.planner import motion
+from skolem.sim.planner.motion import Floats, Problem
 
 START, GOAL = np.array([-1.0, 0.0]), np.array([1.0, 0.0])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tabletop import EXACT
 
-from skolem.sim.noise import (
+from skolem.sim.truth.noise import (
     RANGE_M,
     Purpose,
     axial_sd,

@@ -5,8 +5,8 @@ import math
 import pytest
 from runs import SCENARIOS, Run, ran
 
-from skolem.sim.scenario import prior
-from skolem.sim.symbolic_arm import CARRY
+from skolem.sim.scenario.scenario import prior
+from skolem.sim.symbolic.arm import CARRY
 from skolem.tools.session import prepare
 from skolem.traces.messages import RobotState
 

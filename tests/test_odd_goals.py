@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from recordings import recorded
 
-from skolem.sim.scenario import prior
-from skolem.sim.symbolic_arm import CARRY
+from skolem.sim.scenario.scenario import prior
+from skolem.sim.symbolic.arm import CARRY
 from skolem.tools.session import prepare
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace

@@ -21,7 +21,7 @@ from numpy.random import PCG64, Generator, SeedSequence
 from tabletop import looking
 
 from skolem.estimation.se2 import between, compose, exp
-from skolem.sim.symbolic_view import Solid, depth_view
+from skolem.sim.symbolic.view import Solid, depth_view
 from skolem.traces.messages import DepthView, Pose2, RobotState
 
 CANS = {f"can{i}": (0.75 + 0.15 * (i % 2), -0.4 + 0.2 * i, 0.0) for i in range(5)}

@@ -7,12 +7,12 @@ import believed_scenes as scenes
 import numpy as np
 import pytest
 
-from skolem.sim import grasps
-from skolem.sim.activities import is_other_side
-from skolem.sim.believed import BelievedWorld
-from skolem.sim.planning import PlanningWorld
-from skolem.sim.poses import compose2, compose4, flat, inverse2, inverse4
-from skolem.sim.pr2 import CARRY
+from skolem.sim.planner.believed import BelievedWorld
+from skolem.sim.planner.planner import PlanningWorld
+from skolem.sim.robot.poses import compose2, compose4, flat, inverse2, inverse4
+from skolem.sim.robot.pr2 import CARRY
+from skolem.sim.space import grasps
+from skolem.sim.space.activities import is_other_side
 from skolem.traces.messages import (
     Belief,
     Command,

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from skolem.sim import poses
+from skolem.sim.robot import poses
 from skolem.traces.messages import Pose2, Pose4
 
 ROUND_OFF = 1e-12

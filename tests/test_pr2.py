@@ -3,9 +3,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from skolem.sim import bodies
-from skolem.sim.bullet import p
-from skolem.sim.pr2 import ARM, BASE, CARRY, HEAD, PR2, TORSO
+from skolem.sim.robot import bodies
+from skolem.sim.robot.bullet import p
+from skolem.sim.robot.pr2 import ARM, BASE, CARRY, HEAD, PR2, TORSO
 from skolem.traces.messages import HANDS, Hand, RobotState
 
 pytestmark = pytest.mark.physics

@@ -11,12 +11,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 from tabletop import BLUE, EXACT, GREEN, RED, TABLE_M, TYPES, can, near_table, pick_at, put_back
 
-from skolem.sim.cloud import pixel_rays
-from skolem.sim.poses import compose2, compose4, inverse4, raised
-from skolem.sim.pr2 import CARRY
-from skolem.sim.pybullet_world import PyBulletWorld
-from skolem.sim.truth import TrueBody
-from skolem.sim.world import RECORD_TICKS
+from skolem.sim.physics.pybullet import PyBulletWorld
+from skolem.sim.physics.world import RECORD_TICKS
+from skolem.sim.robot.poses import compose2, compose4, inverse4, raised
+from skolem.sim.robot.pr2 import CARRY
+from skolem.sim.space.pinhole import pixel_rays
+from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.messages import (
     Action,
     ActionResult,

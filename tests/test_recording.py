@@ -4,8 +4,8 @@ import zlib
 import numpy as np
 import pytest
 
-from skolem.sim.cloud import pixel_rays
-from skolem.sim.recording import NamedPose, calibration, depth_image, joint_states, png, timestamp, transforms
+from skolem.sim.physics.recording import NamedPose, calibration, depth_image, joint_states, png, timestamp, transforms
+from skolem.sim.space.pinhole import pixel_rays
 
 
 def decoded(data: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:

@@ -26,7 +26,7 @@ from skolem.estimation.arm import base_T_tool
 from skolem.estimation.belief import Belief
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import EVENT
-from skolem.sim.symbolic_view import Solid, depth_view
+from skolem.sim.symbolic.view import Solid, depth_view
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.messages import HsvVolume, Pose4, PriorRegion, RobotState, TypeIs, WeightInterval
 

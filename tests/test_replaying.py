@@ -228,7 +228,7 @@ def test_a_replay_stops_where_the_robot_would_do_something_else(tmp_path: Path) 
 
 def test_a_run_that_failed_is_replayed_up_to_its_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "run.mcap"
-    from skolem.sim.symbolic import SymbolicWorld
+    from skolem.sim.symbolic.world import SymbolicWorld
 
     execute = SymbolicWorld.execute
 
@@ -282,7 +282,7 @@ def test_an_error_of_the_mind_comes_again_or_is_said_not_to(
 def test_an_error_of_the_world_is_said_not_to_come_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from skolem.sim.symbolic import SymbolicWorld
+    from skolem.sim.symbolic.world import SymbolicWorld
 
     path = failed(tmp_path / "run.mcap", monkeypatch, SymbolicWorld, "execute")
     monkeypatch.setattr(sys, "argv", ["skolem", "replay", str(path)])

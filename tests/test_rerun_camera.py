@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from skolem.sim.cloud import FOVY_RAD, pixel_rays
+from skolem.sim.space.pinhole import FOVY_RAD, pixel_rays
 from skolem.traces.messages import DepthView, Detection, ObjectType
 from skolem.traces.scene.camera import label_points, outline, pixel
 from skolem.traces.scene.shapes import placed

@@ -9,7 +9,8 @@ import pytest
 from skolem.reasoner.language.parser import goal_faults
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.scenario import (
+from skolem.sim.scenario.document import MAX_BYTES
+from skolem.sim.scenario.scenario import (
     Scenario,
     check,
     load_document,
@@ -18,8 +19,7 @@ from skolem.sim.scenario import (
     schema_text,
     true_bodies,
 )
-from skolem.sim.scenario_document import MAX_BYTES
-from skolem.sim.symbolic_arm import CARRY
+from skolem.sim.symbolic.arm import CARRY
 from skolem.traces.errors import InputError
 from skolem.traces.messages import RobotState
 
@@ -164,7 +164,7 @@ def test_every_scenario_that_ships_is_sound_and_named_like_its_file(path: Path, 
 
 
 def test_the_committed_schema_is_the_one_the_models_generate() -> None:
-    assert (ROOT / "sim" / "scenario.schema.json").read_text(encoding="utf-8") == schema_text()
+    assert (ROOT / "sim" / "scenario" / "schema.json").read_text(encoding="utf-8") == schema_text()
 
 
 def test_cans_stand_on_the_side_of_their_tables_that_faces_the_robot(rulebook: Rulebook) -> None:

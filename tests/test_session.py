@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from skolem.sim.symbolic import SymbolicWorld
+from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.tools.live import Silence
 from skolem.tools.session import PARTS, Outcome, prepare, run, summary
 from skolem.tools.stopwatch import Stopwatch

@@ -5,9 +5,9 @@ import believed_scenes as scenes
 import numpy as np
 import pytest
 
-from skolem.sim import sight
-from skolem.sim.believed import BelievedWorld
-from skolem.sim.pr2 import HEAD
+from skolem.sim.planner import sight
+from skolem.sim.planner.believed import BelievedWorld
+from skolem.sim.robot.pr2 import HEAD
 from skolem.traces.messages import Joints7, RobotState
 
 pytestmark = pytest.mark.physics

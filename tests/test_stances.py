@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from skolem.sim import stances
-from skolem.sim.poses import compose2, inverse2
-from skolem.sim.stances import BASE_HALF_M, Footprint
+from skolem.sim.planner import stances
+from skolem.sim.planner.stances import BASE_HALF_M, Footprint
+from skolem.sim.robot.poses import compose2, inverse2
 from skolem.traces.messages import Pose2
 
 SQUARE = Footprint((2.0, 0.0, 0.0), (0.4, 0.6))

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 from tabletop import CLEAR, EXACT, HEAD, RED, SHAKY, TABLE, TABLE_M, Placed, looking, seen_cloud
 
-from skolem.sim.cloud import ROWS, Cloud, focal_px
-from skolem.sim.detector import MAX_DISTANCE_M
-from skolem.sim.supports import Support, find_supports
+from skolem.sim.detector.cloud import Cloud
+from skolem.sim.detector.detect import MAX_DISTANCE_M
+from skolem.sim.detector.supports import Support, find_supports
+from skolem.sim.space.pinhole import ROWS, focal_px
 
 LOW_TABLE: Placed = ("low_table", (0.45, -0.7, 0.0, 0.0), (0.08, 0.46, 0.65))
 HEIGHT_SD_M = 0.003

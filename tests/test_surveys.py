@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from skolem.reasoner.protocols import Activity, Geometry
-from skolem.sim.planning import PlanningWorld
-from skolem.sim.poses import compose2, compose4
-from skolem.sim.surveys import survey, unseen_points
-from skolem.sim.symbolic_geometry import SymbolicGeometry
-from skolem.sim.symbolic_sight import BelievedSight
+from skolem.sim.planner.planner import PlanningWorld
+from skolem.sim.robot.poses import compose2, compose4
+from skolem.sim.space.surveys import survey, unseen_points
+from skolem.sim.symbolic.geometry import SymbolicGeometry
+from skolem.sim.symbolic.sight import BelievedSight
 from skolem.traces.messages import Belief, LookAt, ObjectBelief, Pose2, RegionBelief, RobotState
 
 LOOK = Activity("look_region", "_reg1_")

@@ -94,7 +94,7 @@ def test_a_task_needs_no_file_of_the_one_who_asks(tmp_path: Path) -> None:
 
 
 def test_a_run_that_raises_is_a_row_with_its_trace(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("skolem.sim.symbolic.SymbolicWorld.execute", lambda self, action: 1 / 0)
+    monkeypatch.setattr("skolem.sim.symbolic.world.SymbolicWorld.execute", lambda self, action: 1 / 0)
     run = perform(task(), tmp_path)
     assert (run.row.status, run.row.believed, run.row.true) == ("error", False, None)
     assert run.row.reason == "ZeroDivisionError: division by zero"
@@ -126,7 +126,7 @@ def test_only_a_whole_trace_of_the_same_run_counts_as_done(tmp_path: Path) -> No
 
 def test_a_run_that_raised_is_tried_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     made = task()
-    monkeypatch.setattr("skolem.sim.symbolic.SymbolicWorld.execute", lambda self, action: 1 / 0)
+    monkeypatch.setattr("skolem.sim.symbolic.world.SymbolicWorld.execute", lambda self, action: 1 / 0)
     (tmp_path / made.name).write_bytes(perform(made, tmp_path).trace)
     assert done_before(made, tmp_path) is None
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from symbolic_worlds import BODIES, DRIVE, EXACT, TYPES, do, picking, thing, world
 
-from skolem.sim.symbolic import SymbolicWorld
-from skolem.sim.symbolic_arm import CARRY, base_T_tool, reach
-from skolem.sim.symbolic_view import SIGHT_M, Solid, camera, cast, depth_view, head_towards, in_sight, table_in_sight
-from skolem.sim.truth import TrueBody
+from skolem.sim.symbolic.arm import CARRY, base_T_tool, reach
+from skolem.sim.symbolic.view import SIGHT_M, Solid, camera, cast, depth_view, head_towards, in_sight, table_in_sight
+from skolem.sim.symbolic.world import SymbolicWorld
+from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.messages import (
     Command,
     Detection,
@@ -208,7 +208,7 @@ def test_reach_is_the_inverse_of_forward_kinematics_for_both_arms() -> None:
 
 
 def test_the_arms_are_carried_as_those_of_the_robot_model() -> None:
-    from skolem.sim import pr2
+    from skolem.sim.robot import pr2
 
     assert pr2.CARRY == CARRY
 

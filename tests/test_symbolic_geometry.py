@@ -6,7 +6,7 @@ import pytest
 from symbolic_worlds import BODIES, DRIVE, do, geometry, picking, thing, world
 
 from skolem.reasoner.protocols import Activity
-from skolem.sim.truth import TrueBody
+from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.messages import Pick, Weigh
 
 

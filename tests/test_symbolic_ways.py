@@ -7,11 +7,11 @@ import pytest
 from symbolic_worlds import BODIES, DRIVE, TYPES, belief_of, do, geometry, picking, thing, world
 
 from skolem.reasoner.protocols import Activity
-from skolem.sim.activities import is_other_side
-from skolem.sim.corridors import CORRIDOR_M, HAND_M, Pillar, standing_in
-from skolem.sim.symbolic import SymbolicWorld
-from skolem.sim.symbolic_geometry import SymbolicGeometry
-from skolem.sim.truth import TrueBody
+from skolem.sim.space.activities import is_other_side
+from skolem.sim.symbolic.corridors import CORRIDOR_M, HAND_M, Pillar, standing_in
+from skolem.sim.symbolic.geometry import SymbolicGeometry
+from skolem.sim.symbolic.world import SymbolicWorld
+from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.messages import LookAt, Pick, Place
 
 PICK, LOOK = Activity("pick", "it", "right"), Activity("look", "it")

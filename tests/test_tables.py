@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 from tabletop import CLEAR, GREEN, RED, SHAKY, TABLE, TABLE_M, TYPES, Placed, looking, seen_cloud
 
-from skolem.sim.cloud import Frame
-from skolem.sim.detector import detect
+from skolem.sim.detector.detect import detect
+from skolem.sim.space.pinhole import Frame
 from skolem.traces.messages import Detection, NoiseModel, Pose2
 
 VIEWS = 12

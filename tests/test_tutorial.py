@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from skolem.sim.scenario import load_document
+from skolem.sim.scenario.scenario import load_document
 from skolem.tools import explain, rules
 from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run

@@ -18,7 +18,7 @@ from mcap.records import Chunk
 from mcap.writer import Writer
 from recordings import SCENARIOS
 
-from skolem.sim.symbolic import SymbolicWorld
+from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.tools.live import Silence
 from skolem.tools.session import Outcome, prepare, run
 from skolem.tools.stopwatch import Stopwatch

@@ -6,7 +6,7 @@ from typing import Final
 
 from skolem.reasoner.language.expressions import Believed, Goal
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.scenario import Document, prior, read_document
+from skolem.sim.scenario.scenario import Document, prior, read_document
 from skolem.tools.recorded_rules import Rulebooks
 from skolem.tools.recorded_run import RecordedRun
 from skolem.tools.replaying import given_in

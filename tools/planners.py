@@ -26,9 +26,9 @@ def planner_of(world: WorldKind, types: Mapping[str, ObjectType], seed: int) -> 
         seed: The run's seed.
     """
     if world == "symbolic":
-        from skolem.sim.symbolic_geometry import SymbolicGeometry
+        from skolem.sim.symbolic.geometry import SymbolicGeometry
 
         return SymbolicGeometry(types)
-    from skolem.sim.planning import PlanningWorld
+    from skolem.sim.planner.planner import PlanningWorld
 
     return PlanningWorld(types, seed)

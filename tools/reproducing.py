@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from skolem.sim.scenario import read_document
+from skolem.sim.scenario.scenario import read_document
 from skolem.tools.recorded_rules import rulebook_of
 from skolem.tools.recorded_run import CUT_SHORT, check_made_of
 from skolem.tools.replaying import other_end

@@ -42,6 +42,6 @@ def check(
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of scenario files, for editors."""
-    from skolem.sim.scenario import schema_text
+    from skolem.sim.scenario.scenario import schema_text
 
     print(schema_text(), end="")

@@ -20,7 +20,7 @@ from skolem.reasoner.lint.wrong_rules import refuse_wrong
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.planning.relations import misused, too_sure
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.scenario import (
+from skolem.sim.scenario.scenario import (
     Document,
     Scenario,
     believed_noise,
@@ -360,10 +360,10 @@ class _Run:
         base, noise = (robot.base.x, robot.base.y, robot.base.theta), setup.scenario.true_noise.message()
         told = believed_noise(setup.scenario)
         if setup.world == "symbolic":
-            from skolem.sim.symbolic import SymbolicWorld
+            from skolem.sim.symbolic.world import SymbolicWorld
 
             return SymbolicWorld(types, bodies, base, robot.torso_m, noise, setup.seed, told)
-        from skolem.sim.pybullet_world import PyBulletWorld
+        from skolem.sim.physics.pybullet import PyBulletWorld
 
         return PyBulletWorld(types, bodies, base, robot.torso_m, noise, setup.seed, self._record, setup.images, told)
 
@@ -375,7 +375,7 @@ def _robot_sha256(world: WorldKind) -> str:
     """Return the hash of the robot model's files; the symbolic robot has none."""
     if world == "symbolic":
         return ""
-    from skolem.sim.assets import robot_sha256
+    from skolem.sim.robot.assets import robot_sha256
 
     return robot_sha256()
 

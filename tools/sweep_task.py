@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.scenario import load_document
+from skolem.sim.scenario.scenario import load_document
 from skolem.tools import session
 from skolem.tools.live import Silence
 from skolem.tools.source import SOURCE_SHA256

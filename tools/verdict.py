@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.planning.goals import achieved_by
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.footprints import footprint, overhang
-from skolem.sim.poses import compose4, flat, inverse4, raised
+from skolem.sim.robot.poses import compose4, flat, inverse4, raised
+from skolem.sim.space.footprints import footprint, overhang
 from skolem.traces.messages import (
     Hand,
     HsvVolume,

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import rerun as rr
 
-from skolem.sim import pr2
-from skolem.sim.assets import patched_urdf_path
-from skolem.sim.recording import BASE_FRAME
+from skolem.sim.physics.recording import BASE_FRAME
+from skolem.sim.robot import pr2
+from skolem.sim.robot.assets import patched_urdf_path
 from skolem.tools import viewer
 from skolem.tools.children import has_display
 from skolem.traces.errors import Fault, InputError

@@ -4,8 +4,8 @@ import pytest
 from papers import STANDS, Handler, at_five_percent, can, holds, seen_as
 from runs import ran
 
-from skolem.sim.poses import compose4
-from skolem.sim.symbolic import SymbolicWorld
+from skolem.sim.robot.poses import compose4
+from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.traces.messages import Action, ActionResult, Observation, Pick
 
 

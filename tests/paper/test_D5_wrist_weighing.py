@@ -7,7 +7,7 @@ from papers import Handler, at_five_percent, can
 from runs import Stage, over, thing_in, with_physics
 from tabletop import can as true_can, pick_at
 
-from skolem.sim.pr2 import CARRY
+from skolem.sim.robot.pr2 import CARRY
 from skolem.traces.messages import Joints7, Pick, Weigh
 
 pytestmark = pytest.mark.physics

@@ -7,8 +7,8 @@ import pytest
 from papers import STANDS, Handler, at_five_percent, can, seen_as, shipped
 from tabletop import BLUE, CLEAR, GREEN, TABLE, TABLE_M, TYPES, seen_cloud
 
-from skolem.sim.cloud import Cloud
-from skolem.sim.detector import detect
+from skolem.sim.detector.cloud import Cloud
+from skolem.sim.detector.detect import detect
 from skolem.traces.messages import HsvVolume
 
 SODA_HALF_M = 0.06

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from skolem.sim import bodies
-from skolem.sim.pr2 import ARM, BASE, HEAD, PR2, TORSO
+from skolem.sim.robot import bodies
+from skolem.sim.robot.pr2 import ARM, BASE, HEAD, PR2, TORSO
 from skolem.traces.messages import HANDS
 
 pytestmark = pytest.mark.physics

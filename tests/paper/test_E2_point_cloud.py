@@ -8,8 +8,8 @@ from runs import Stage
 from scipy.spatial.transform import Rotation
 from tabletop import CLEAR, GREEN, TABLE, TABLE_M, can, seen_cloud
 
-from skolem.sim.cloud import pixel_rays
-from skolem.sim.noise import axial_sd
+from skolem.sim.space.pinhole import pixel_rays
+from skolem.sim.truth.noise import axial_sd
 from skolem.traces.messages import LookAt
 
 pytestmark = pytest.mark.physics

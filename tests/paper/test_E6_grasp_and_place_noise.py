@@ -17,9 +17,9 @@ from scipy.stats import chi2
 from tabletop import EXACT, TABLE_M, TYPES, can as true_can, near_table
 
 from skolem.estimation import arm
-from skolem.sim.poses import compose4, inverse4, raised
-from skolem.sim.symbolic import SymbolicWorld
-from skolem.sim.symbolic_arm import CARRY, reach
+from skolem.sim.robot.poses import compose4, inverse4, raised
+from skolem.sim.symbolic.arm import CARRY, reach
+from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.traces.messages import Action, ActionResult, Hand, Pick, Place, Pose4, TrueState
 
 SEEDS = 200

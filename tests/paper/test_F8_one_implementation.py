@@ -8,8 +8,8 @@ from runs import SCENARIOS, ran, with_physics
 
 import skolem.estimation.belief
 import skolem.reasoner.agent
-from skolem.sim.pybullet_world import PyBulletWorld
-from skolem.sim.symbolic import SymbolicWorld
+from skolem.sim.physics.pybullet import PyBulletWorld
+from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.tools.session import prepare
 
 BACK_END = ("tick", "robot_state", "state", "disturb", "execute", "close")

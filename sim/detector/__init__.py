@@ -1,0 +1,1 @@
+"""From a depth picture to detections. May import: space, truth."""

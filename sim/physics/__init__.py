@@ -1,0 +1,1 @@
+"""The world with physics: PyBullet, rendering, motors and hands. May import: robot, detector, truth."""

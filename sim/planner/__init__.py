@@ -1,0 +1,1 @@
+"""Geometric questions answered by motion planning in the believed world. May import: robot, space."""

@@ -1,0 +1,225 @@
+"""The geometry that the reasoner consults, answered by planning motions in the believed world.
+
+An answer is a function of (belief, question, run seed): the believed world is built from the belief alone, candidates
+are tried in a fixed order, and every path's seed comes from the run's seed, the belief's version and its purpose.
+Answers are kept until the belief changes. What cannot be done with things as wide as the doubt about their place is
+tried once more with things as they are on average: the alternative would be to give up.
+"""
+
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
+
+import numpy as np
+
+from skolem.sim.planner import arm_motions, motion, ways
+from skolem.sim.planner.arm_motions import ArmPlanner, Spots
+from skolem.sim.planner.believed import BelievedWorld
+from skolem.sim.planner.candidates import Candidates
+from skolem.sim.planner.clearing import Clearing
+from skolem.sim.planner.driving import drive
+from skolem.sim.planner.surveyor import Surveyor
+from skolem.sim.planner.trials import Task, Trials
+from skolem.sim.planner.ways import Way
+from skolem.sim.robot.assets import robot_sha256
+from skolem.sim.robot.poses import compose2, compose4
+from skolem.sim.space.activities import Activity, Picking, Question, key_of
+from skolem.traces.messages import HANDS, Belief, Command, Hand, MoveBase, ObjectType, Pose2
+
+BASE_STREAM = 3
+SURVEYS_DRIVEN = 8  # stances to look at a region from to which a drive is sought
+WAYS_TRIED = 3  # ways that are tried with what blocks them taken away
+NARROWED = ("look", "pick", "place")
+CLEARABLE = ("look", "look_region", "pick")
+
+
+class PlanningWorld:
+    """Answers what can be done from here, where to go to do it, and what to take out of the way before.
+
+    Attributes:
+        robot_sha256: Identity of the robot model.
+    """
+
+    def __init__(self, types: Mapping[str, ObjectType], seed: int) -> None:
+        """Open a physics client of its own.
+
+        Args:
+            types: Shape and size of every type a belief may name.
+            seed: The run's seed.
+        """
+        self.robot_sha256 = robot_sha256()
+        self._seed = seed
+        self._belief: Belief | None = None
+        self._world = BelievedWorld(types)
+        arms = ArmPlanner(self._world, lambda stream, attempt: self._path_seed(stream, attempt))
+        candidates = Candidates(self._world)
+        self._trials = Trials(self._world, arms, candidates)
+        self._surveyor = Surveyor(self._world, candidates)
+        self._clearing = Clearing(self._world, arms, candidates, self._trials, self._surveyor)
+        self._answers: dict[Question, Command | None] = {}
+        self._ways: dict[Question, Way | None] = {}
+
+    def close(self) -> None:
+        """Close the physics client; no question can be asked afterwards."""
+        self._world.close()
+
+    def sync(self, belief: Belief) -> None:
+        """Take over a belief; answers about an equal one are kept."""
+        if belief != self._belief:
+            self._belief = belief
+            self._answers, self._ways = {}, {}
+            self._world.update(belief)
+            self._surveyor.update(belief)
+
+    def ready(self, activity: Activity) -> Command | None:
+        """Return the command that does the activity from where the robot is believed to stand, or None."""
+        if activity.kind == "look":
+            look = self._kept("ready", activity, self._ready) or self._doubtful_look(activity)
+            return None if activity.elsewhere and self.approach(activity) is not None else look
+        return self._kept("ready", activity, self._ready) or self._kept("ready", activity, self._ready, narrow=True)
+
+    def approach(self, activity: Activity) -> MoveBase | None:
+        """Return a drive to where the activity can be done, and its object or place be seen, or None."""
+        answer = self._kept("approach", activity, self._approach)
+        answer = answer or self._kept("approach", activity, self._approach, narrow=True)
+        assert answer is None or isinstance(answer, MoveBase)
+        return answer
+
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        """Return the movable things that block one way of doing the activity, all of them, sorted.
+
+        Empty if it can be done, and if it cannot be done whatever is taken away. The hand counts as empty.
+        """
+        if activity.kind not in CLEARABLE:
+            return ()
+        with self._world.emptied(activity.hand):
+            if self.ready(activity) is not None or self.approach(activity) is not None:
+                return ()
+            way = self._kept_way("cleared", activity, self._cleared)
+        return () if way is None else way.blockers
+
+    # ---------------------------------------------------------------- memory and doubt
+
+    def _doubtful_look(self, activity: Activity) -> Command | None:
+        """Return the look that shows the object if it is where it is on average; None if another stance is surer.
+
+        None counts as surer while the object is to be grasped from here, if that too takes things to be so.
+        """
+        look = self._kept("ready", activity, self._ready, narrow=True)
+        if look is None or self._kept("approach", activity, self._approach) is None:
+            return look
+        return look if any(self._is_grasped_in_doubt(activity.anchor, hand) for hand in HANDS) else None
+
+    def _is_grasped_in_doubt(self, anchor: str, hand: Hand) -> bool:
+        """Return whether an object can be picked from here, and from nowhere with things as wide as their doubt."""
+        pick = Picking(anchor, hand)
+        return self.ready(pick) is not None and self._kept("approach", pick, self._approach) is None
+
+    def _kept(
+        self, question: str, activity: Activity, answer: Callable[[Task | None], Command | None], narrow: bool = False
+    ) -> Command | None:
+        """Return an answer, made at the first time with everything as wide as its doubt, or as narrow as it is."""
+        if narrow and activity.kind not in NARROWED:
+            return None
+        key = self._key(f"{question} narrow" if narrow else question, activity)
+        if key not in self._answers:
+            clear_of = None if activity.clear_of is None else self._way_to_keep(activity.clear_of)
+            self._world.reset()
+            with self._world.narrowed() if narrow else contextlib.nullcontext():
+                self._answers[key] = answer(self._task(activity, clear_of))
+        return self._answers[key]
+
+    def _kept_way(self, question: str, activity: Activity, answer: Callable[[Activity], Way | None]) -> Way | None:
+        key = self._key(question, activity)
+        if key not in self._ways:
+            self._ways[key] = answer(activity)
+        return self._ways[key]
+
+    def _key(self, question: str, activity: Activity) -> Question:
+        """Return what an answer depends on besides the belief: a hand may be taken for empty."""
+        full = (hand for hand in HANDS if hand in self._world.carried)
+        return (question, *key_of(activity), *full)
+
+    @property
+    def _believed(self) -> Belief:
+        assert self._belief is not None, "sync comes first"
+        return self._belief
+
+    def _path_seed(self, *stream: int) -> int:
+        return motion.seed_of(self._seed, self._believed.version, *stream)
+
+    # ---------------------------------------------------------------- from here, and from elsewhere
+
+    def _task(self, activity: Activity, clear_of: Way | None) -> Task | None:
+        """Return the activity with the spots it may choose among; None if it makes no sense as things are."""
+        if activity.kind == "look_region":
+            return Task(activity) if activity.anchor in self._believed.regions else None
+        if not self._trials.possible(activity):
+            return None
+        if activity.kind != "place":
+            return Task(activity)
+        assert activity.hand is not None
+        assert activity.support is not None
+        carried, table = self._world.carried[activity.hand], self._world.standing[activity.support]
+        spots = arm_motions.free_spots(self._world, table, carried)
+        if clear_of is None:
+            return Task(activity, spots)
+        top = table.type.size_m[2]
+        places = [compose4(table.world_T_object, (float(x), float(y), top, 0.0))[:3] for x, y in spots.places]
+        keep = ways.leaves_room(self._world, clear_of, carried, np.reshape(np.array(places), (-1, 3)))
+        return Task(activity, Spots(spots.places[keep], spots.room[keep]))
+
+    def _ready(self, task: Task | None) -> Command | None:
+        if task is None:
+            return None
+        if task.activity.kind == "look_region":
+            return self._surveyor.look(task.activity.anchor)
+        return self._trials.here(task)
+
+    def _approach(self, task: Task | None) -> MoveBase | None:
+        """Return the drive to the first stance that serves."""
+        if task is None:
+            return None
+        if task.activity.kind == "weigh":
+            return MoveBase(start_T_waypoint=((0.0, 0.0, 0.0),))
+        for drives, stance in enumerate(self._serving(task)):
+            path = drive(self._world, self._believed.world_T_base, stance, self._path_seed(BASE_STREAM, drives))
+            if path is not None:
+                return MoveBase(start_T_waypoint=path)
+        return None
+
+    def _serving(self, task: Task) -> Iterator[Pose2]:
+        if task.activity.kind == "look_region":
+            return (stance for stance, _ in self._surveyor.stances(task.activity.anchor)[:SURVEYS_DRIVEN])
+        return self._trials.serving(task, self._believed)
+
+    # ---------------------------------------------------------------- ways
+
+    def _cleared(self, activity: Activity) -> Way | None:
+        """Return the way with the fewest blockers, without which the activity can be done."""
+        self._world.reset()
+        if self._task(activity, None) is None:
+            return None
+        with self._world.narrowed() if activity.kind in NARROWED else contextlib.nullcontext():
+            for way in self._clearing.ways(activity, self._believed)[:WAYS_TRIED]:
+                with self._world.removed(way.blockers):
+                    if self._approach(self._task(activity, None)) is not None:
+                        return way
+        return None
+
+    def _way_to_keep(self, activity: Activity) -> Way | None:
+        """Return the way by which something will be done later, once what is now in the hand is put down."""
+        with self._world.emptied(activity.hand):
+            return self._kept_way("kept", activity, self._free_or_cleared)
+
+    def _free_or_cleared(self, activity: Activity) -> Way | None:
+        here: Pose2 = self._believed.world_T_base
+        if self.ready(activity) is None:
+            move = self.approach(activity)
+            if move is None:
+                return self._kept_way("cleared", activity, self._cleared)
+            here = compose2(here, move.start_T_waypoint[-1])
+        way = self._clearing.way_from(activity, here)
+        if way is None:
+            with self._world.narrowed():
+                way = self._clearing.way_from(activity, here)
+        return way

@@ -1,0 +1,154 @@
+"""What can be done from a base pose, tried in the believed world, and which base poses serve.
+
+Cheap tests come first and whole motions last; how many are tried of each is counted, never timed.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.sim.planner import sight
+from skolem.sim.planner.arm_motions import ArmPlanner, Spots
+from skolem.sim.planner.believed import BelievedWorld
+from skolem.sim.planner.candidates import Candidates
+from skolem.sim.planner.stances import Stances
+from skolem.sim.space.activities import Activity, is_other_side
+from skolem.traces.messages import SENSING_HAND, Belief, Command, Hand, LookAt, Pick, Pose2, Weigh
+
+Floats = NDArray[np.float64]
+
+STANCE_MARGIN_M = 0.04  # distance that all of the robot keeps to everything where it stops
+CHECKED_STANCES, SKETCHED_STANCES, JOINED_STANCES = 80, 16, 4  # how many are tried, by rising effort
+SAME_M, SAME_RAD = 0.08, 0.2  # stances nearer than this to one that failed are skipped
+SAME_VIEW_M = 0.15  # ... and however turned, if what is looked at was hidden
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """An activity, and the spots among which it may choose if something is put down."""
+
+    activity: Activity
+    spots: Spots | None = None
+
+
+class Trials:
+    """Tries activities, with the robot of the believed world put wherever it takes."""
+
+    def __init__(self, world: BelievedWorld, arms: ArmPlanner, candidates: Candidates) -> None:
+        """Keep the world and those who plan in it."""
+        self._world = world
+        self._arms = arms
+        self._candidates = candidates
+
+    def possible(self, activity: Activity) -> bool:
+        """Return whether hands and objects are such that the activity makes sense anywhere."""
+        world, hand = self._world, activity.hand
+        if activity.kind == "look":
+            return activity.anchor in world.standing
+        if hand is None:
+            return False
+        carried = world.carried.get(hand)
+        if activity.kind == "pick":
+            item = world.standing.get(activity.anchor)
+            return carried is None and item is not None and item.type.graspable
+        if carried is None or carried.anchor != activity.anchor:
+            return False
+        if activity.kind == "place":
+            table = world.standing.get(activity.support or "")
+            return table is not None and table.type.shape == "table"
+        return activity.kind == "weigh" and hand == SENSING_HAND
+
+    def here(self, task: Task) -> Command | None:
+        """Return the command from where the robot is put, or None; the activity must be possible."""
+        activity, hand = task.activity, task.activity.hand
+        if hand is None:
+            turned = sight.look(self._world, self._world.standing[activity.anchor])
+            return None if turned is None else LookAt(pan=turned[0], tilt=turned[1])
+        if activity.kind == "pick":
+            return self.pick(hand, activity.anchor)
+        if task.spots is not None and activity.support is not None:
+            with self._world.wary(hand):
+                return self._arms.place(hand, activity.support, task.spots)
+        return Weigh(hand=hand)
+
+    def pick(self, hand: Hand, anchor: str) -> Pick | None:
+        """Return the whole pick of a standing object from where the robot is put, or None."""
+        with self._world.wary(hand, anchor):
+            return self._arms.pick(hand, anchor)
+
+    def serving(self, task: Task, belief: Belief) -> Iterator[Pose2]:
+        """Yield the base poses from which an activity can be done, and its object or spot be seen, best first."""
+        activity = task.activity
+        looks = activity.hand is None
+        candidates, places = self._around(task, belief.world_T_base)
+        failed: list[Pose2] = []
+        hidden: list[Pose2] = []
+        checked = sketched = joined = 0
+        for row, target in zip(candidates.world_T_base, candidates.target, strict=True):
+            if checked >= CHECKED_STANCES or sketched >= SKETCHED_STANCES or joined >= JOINED_STANCES:
+                return
+            stance = (float(row[0]), float(row[1]), float(row[2]))
+            if not self._is_asked_for(stance, activity, belief):
+                continue
+            if any(is_same(stance, other) for other in failed):
+                continue
+            if any(math.dist(stance[:2], other[:2]) < SAME_VIEW_M for other in hidden):
+                continue
+            checked += 1
+            if not self.stands(stance):
+                failed.append(stance)
+            elif not self._sees(task, places[int(target)]):
+                (hidden if looks else failed).append(stance)
+            elif looks:
+                yield stance
+            else:
+                sketched += 1
+                if self._sketch(task):
+                    joined += 1
+                    if self.here(task) is not None:
+                        yield stance
+                        continue
+                failed.append(stance)
+
+    def _is_asked_for(self, stance: Pose2, activity: Activity, belief: Belief) -> bool:
+        """Return whether a stance is on another side of the object, if it was looked at from here in vain."""
+        at = self._world.standing[activity.anchor].world_T_object if activity.elsewhere else None
+        return at is None or is_other_side(stance, belief.world_T_base, at)
+
+    def stands(self, stance: Pose2) -> bool:
+        """Put the robot somewhere and return whether it keeps its distance there."""
+        self._world.reset(stance)
+        return self._world.free() and self._world.clear(STANCE_MARGIN_M)
+
+    def _around(self, task: Task, here: Pose2) -> tuple[Stances, Floats]:
+        activity = task.activity
+        if task.spots is None or activity.hand is None or activity.support is None:
+            return self._candidates.around_object(activity, here), np.zeros((1, 2))
+        table = self._world.standing[activity.support]
+        return self._candidates.around_spots(table, activity.hand, task.spots, here)
+
+    def _sees(self, task: Task, place: Floats) -> bool:
+        """Return whether the object, or the place for it in the table's frame, is seen from where the robot is put."""
+        if task.activity.support is not None:
+            spot = (float(place[0]), float(place[1]))
+            return sight.look_at_spot(self._world, self._world.standing[task.activity.support], spot) is not None
+        return sight.look(self._world, self._world.standing[task.activity.anchor]) is not None
+
+    def _sketch(self, task: Task) -> bool:
+        """Return whether the arm can do its part near the object, not yet how it gets there."""
+        activity, hand = task.activity, task.activity.hand
+        assert hand is not None
+        if task.spots is not None and activity.support is not None:
+            with self._world.wary(hand):
+                return next(self._arms.place_sketches(hand, activity.support, task.spots), None) is not None
+        with self._world.wary(hand, activity.anchor):
+            return next(self._arms.pick_sketches(hand, activity.anchor), None) is not None
+
+
+def is_same(a: Pose2, b: Pose2) -> bool:
+    """Return whether two base poses are so near that what fails at one will fail at the other."""
+    turn = abs((a[2] - b[2] + math.pi) % (2.0 * math.pi) - math.pi)
+    return math.dist(a[:2], b[:2]) < SAME_M and turn < SAME_RAD

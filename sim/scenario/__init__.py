@@ -1,0 +1,1 @@
+"""Scenario files: read, checked, and turned into a true world and a prior. May import: space, truth."""

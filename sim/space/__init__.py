@@ -1,0 +1,1 @@
+"""What worlds and planners both reckon with: footprints, grasps, views, doubts. May import: robot."""

@@ -1,0 +1,124 @@
+"""How the simulated sensors and wheels err: keyed random streams, the draws, and the covariance a draw has.
+
+Everything is drawn as the `NoiseModel` of the true world says. Each consumer has a stream of its own, so that a new
+consumer, or one that draws more, shifts no other draw.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.random import PCG64, Generator, SeedSequence
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from skolem.sim.robot.poses import wrap
+from skolem.traces.messages import NoiseModel, Pose2
+
+# Kinect v1: axial noise after Nguyen, Izadi and Lovell, "Modeling Kinect sensor noise" (2012)
+AXIAL_SD_M, AXIAL_SD_PER_M2, AXIAL_BEST_M = 0.0012, 0.0019, 0.4
+FOCAL_TIMES_BASELINE = 575.8 * 0.075  # pixels times metres
+DISPARITY_STEPS_PER_PIXEL = 8.0
+EDGE_JUMP_M = 0.06  # depth steps between neighbours above this are edges of the scene
+EDGE_LOSS = 0.5  # probability that a pixel on an edge returns nothing
+RANGE_M = (0.5, 4.5)  # outside of this the sensor returns nothing
+
+
+class Purpose(IntEnum):
+    """What a random stream is for; numbers are part of the trace contract and are never reused."""
+
+    DEPTH = 1
+    EXTRINSICS = 2
+    COLOUR = 3
+    MISSED = 4
+    CONFUSED = 5
+    FALSE_ALARM = 6
+    ODOMETRY = 7
+    WRIST = 8
+    WRIST_BIAS = 9
+    TABLES = 10
+
+
+def stream(seed: int, step: int, purpose: Purpose) -> Generator:
+    """Return the generator of one purpose at one step of a run; equal keys give equal draws."""
+    return Generator(PCG64(SeedSequence([seed, step, int(purpose)])))
+
+
+@dataclass(frozen=True, slots=True)
+class Extrinsics:
+    """A rigid error of the camera frame: believed point = turn @ point + shift, camera frame.
+
+    Attributes:
+        turn: Rotation matrix, shape (3, 3).
+        shift: Shape (3,), metres.
+    """
+
+    turn: NDArray[np.float64]
+    shift: NDArray[np.float64]
+
+
+def axial_sd(depth: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the sd of a depth reading, metres, of the same shape as `depth` (metres)."""
+    return np.asarray(AXIAL_SD_M + AXIAL_SD_PER_M2 * (depth - AXIAL_BEST_M) ** 2)
+
+
+def noisy_depth(depth: NDArray[np.float64], scale: float, draws: Generator) -> NDArray[np.float64]:
+    """Return what the sensor reports of a depth image.
+
+    Args:
+        depth: Exact distance along the camera's axis, shape (rows, columns), metres.
+        scale: Times the axial sd; with 0 the depth is exact, neither stepped nor lost at edges.
+        draws: Generator of this look.
+
+    Returns:
+        The same shape; NaN where nothing comes back.
+    """
+    reported = depth.copy()
+    if scale > 0.0:
+        reported += draws.normal(size=depth.shape) * scale * axial_sd(depth)
+        steps = DISPARITY_STEPS_PER_PIXEL * FOCAL_TIMES_BASELINE
+        reported = steps / np.round(steps / reported)
+        across, along = np.gradient(depth)
+        reported[(np.hypot(across, along) > EDGE_JUMP_M) & (draws.random(depth.shape) < EDGE_LOSS)] = np.nan
+    reported[(depth < RANGE_M[0]) | (depth > RANGE_M[1])] = np.nan
+    return reported
+
+
+def extrinsic_error(noise: NoiseModel, draws: Generator) -> Extrinsics:
+    """Draw the calibration error of one look."""
+    turn = Rotation.from_rotvec(draws.normal(size=3) * noise.extrinsics_sd_rad).as_matrix()
+    return Extrinsics(turn, draws.normal(size=3) * noise.extrinsics_sd_m)
+
+
+def extrinsic_covariance(noise: NoiseModel, camera_to_object: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the covariance that the calibration error gives the seen pose of an object.
+
+    To first order the object moves by `shift + rotvec x r`, and turns by the rotation vector's z component.
+
+    Args:
+        noise: Gives the sd of shift and rotation vector, equal on all axes, so any frame's axes serve.
+        camera_to_object: r, from the camera to the object, shape (3,), metres, axes with z up.
+
+    Returns:
+        Over (x, y, theta) along the axes of `camera_to_object`, shape (3, 3).
+    """
+    x, y, z = camera_to_object
+    levers = np.array([[0.0, z, -y], [-z, 0.0, x], [0.0, 0.0, 1.0]])  # d(x, y, theta) / d(rotation vector)
+    shift = np.diag([1.0, 1.0, 0.0])
+    return np.asarray(noise.extrinsics_sd_m**2 * shift + noise.extrinsics_sd_rad**2 * levers @ levers.T)
+
+
+def odometry_error(noise: NoiseModel, start_T_end: Pose2, draws: Generator) -> Pose2:
+    """Draw end_T_true: where a base that was told to go to `start_T_end` really ends, seen from there."""
+    distance, turn = float(np.hypot(start_T_end[0], start_T_end[1])), abs(wrap(start_T_end[2]))
+    sd_m = noise.odometry_sd_m + noise.odometry_sd_per_m * distance
+    sd_rad = noise.odometry_sd_rad + noise.odometry_sd_per_rad * turn
+    x, y, theta = draws.normal(size=3) * (sd_m, sd_m, sd_rad)
+    return (float(x), float(y), float(theta))
+
+
+def wrist_error(noise: NoiseModel, seed: int, step: int) -> NDArray[np.float64]:
+    """Draw the error of one averaged force reading, shape (3,), newtons: the bias of the run plus noise of the step."""
+    bias = stream(seed, 0, Purpose.WRIST_BIAS).normal(size=3) * noise.wrist_drift_newton
+    reading = stream(seed, step, Purpose.WRIST).normal(size=3) * noise.wrist_sd_newton
+    return np.asarray(bias + reading)
