@@ -19,10 +19,10 @@ from skolem.estimation.se2 import Matrix, between, flat, log as tangent
 from skolem.sim.physics.pybullet import PyBulletWorld
 from skolem.sim.scenario.scenario import prior, true_bodies
 from skolem.sim.symbolic.view import head_towards
-from skolem.tools import session
-from skolem.tools.live import watcher_for
-from skolem.tools.planners import WorldKind
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop import session
+from skolem.tools.loop.planners import WorldKind
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.live import watcher_for
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     Action,

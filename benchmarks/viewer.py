@@ -5,10 +5,10 @@ import time
 from pathlib import Path
 
 from benchmarks.tables import ROOT, Table, Target
-from skolem.tools.live import Silence
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
-from skolem.tools.viewing import record
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.view.viewing import record
+from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import TICKS_PER_SECOND
 

@@ -46,9 +46,9 @@ def record_run() -> Callable[..., str]:
 @pytest.fixture(scope="session")
 def green_trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the trace of a whole run in the world without physics, in which plans are dropped."""
-    from skolem.tools.live import Silence
-    from skolem.tools.session import Outcome, prepare, run
-    from skolem.tools.stopwatch import Stopwatch
+    from skolem.tools.loop.session import Outcome, prepare, run
+    from skolem.tools.loop.stopwatch import Stopwatch
+    from skolem.tools.words.live import Silence
 
     path = tmp_path_factory.mktemp("green") / "green.mcap"
     setup = prepare(ROOT / "scenarios" / "sim1_green.yaml", seed=3, world="symbolic")

@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 
-from skolem.tools.live import Silence
-from skolem.tools.planners import WorldKind
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop.planners import WorldKind
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import JSON_TOPICS, Message

@@ -15,10 +15,10 @@ from pathlib import Path
 from tabletop import EXACT, TYPES, near_table
 
 from skolem.sim.truth.bodies import TrueBody
-from skolem.tools.live import Silence
-from skolem.tools.planners import WorldKind
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop.planners import WorldKind
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     HANDS,

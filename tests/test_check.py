@@ -527,7 +527,7 @@ def test_checking_takes_the_memory_of_a_chunk_not_of_the_file(trace: Path, tmp_p
 
 def test_check_imports_neither_estimator_nor_simulator_nor_viewer() -> None:
     code = (
-        "import sys; import skolem.tools.check, skolem.tools.info, skolem.tools.recover;"
+        "import sys; import skolem.tools.files.check, skolem.tools.show.info, skolem.tools.files.recover;"
         "print([m for m in ('gtsam', 'pybullet', 'rerun', 'clingo', 'numpy', 'scipy') if m in sys.modules])"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"

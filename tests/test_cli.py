@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from skolem.tools import cli
-from skolem.tools.running import unused
+from skolem.tools.run.running import unused
 from skolem.traces.file.reader import Trace
 from skolem.traces.file.writer import partial_of
 from skolem.traces.messages import RunEnd

@@ -14,12 +14,12 @@ import pytest
 from recordings import recorded, rewritten, unchanged
 from typer.testing import CliRunner
 
-from skolem.tools import explain
-from skolem.tools.explaining import Explanation, explained
-from skolem.tools.explanation_text import action_tree, choice_tree, drop_tree, end_tree, lines
-from skolem.tools.live import Silence
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.explain import command as explain
+from skolem.tools.explain.explaining import Explanation, explained
+from skolem.tools.explain.text import action_tree, choice_tree, drop_tree, end_tree, lines
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import Decision, Denotation, Message, Plan

@@ -10,7 +10,7 @@ from recordings import recorded, rewritten, unchanged
 from tampering import each, rewrite
 
 from skolem.tools import cli
-from skolem.tools.fingerprint import DECIDES_FLOATS, differences
+from skolem.tools.recorded.fingerprint import DECIDES_FLOATS, differences
 from skolem.traces.file.environment import environment
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import Belief, Message

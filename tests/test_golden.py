@@ -15,8 +15,8 @@ from skolem.reasoner.lint.derivable import shapes_of
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools import cli
-from skolem.tools.recorded_rules import rulebook_of
-from skolem.tools.trace_account import account
+from skolem.tools.recorded.rules import rulebook_of
+from skolem.tools.words.trace_account import account
 from skolem.traces.compare.golden import MANIFEST, MAX_BYTES, Golden, keep_decisions, read_manifest, write_manifest
 from skolem.traces.errors import InputError
 from skolem.traces.file.check import check

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from skolem.tools.live import Silence
-from skolem.tools.recorded_run import RecordedRun
-from skolem.tools.replaying import Options, replay
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.recorded.replaying import Options, replay
+from skolem.tools.recorded.run import RecordedRun
+from skolem.tools.words.live import Silence
 from skolem.traces.compare.diff import Tolerance
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, RunEnd, RunStart

@@ -8,10 +8,10 @@ from rich.console import Console
 
 from skolem.reasoner.agent import Turn
 from skolem.reasoner.planning.goals import Closest
-from skolem.tools.belief_table import belief_rows, size_of
-from skolem.tools.live import Lines, Picture, drop_text, watcher_for
-from skolem.tools.plan_tree import plan_lines
-from skolem.tools.session import prepare
+from skolem.tools.loop.session import prepare
+from skolem.tools.words.belief_table import belief_rows, size_of
+from skolem.tools.words.live import Lines, Picture, drop_text, watcher_for
+from skolem.tools.words.plan_tree import plan_lines
 from skolem.traces.messages import (
     Action,
     ActionResult,

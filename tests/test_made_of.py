@@ -7,8 +7,8 @@ from mcap.records import Attachment
 from recordings import recorded
 from tampering import rewrite
 
-from skolem.tools.recorded_rules import Rulebooks
-from skolem.tools.recorded_run import RecordedRun
+from skolem.tools.recorded.rules import Rulebooks
+from skolem.tools.recorded.run import RecordedRun
 from skolem.traces.errors import TraceError
 from skolem.traces.file.reader import Trace
 

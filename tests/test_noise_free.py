@@ -7,7 +7,7 @@ from runs import SCENARIOS, Run, ran
 
 from skolem.sim.scenario.scenario import prior
 from skolem.sim.symbolic.arm import CARRY
-from skolem.tools.session import prepare
+from skolem.tools.loop.session import prepare
 from skolem.traces.messages import RobotState
 
 EXACT = ("noise=none",)

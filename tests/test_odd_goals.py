@@ -8,7 +8,7 @@ from recordings import recorded
 
 from skolem.sim.scenario.scenario import prior
 from skolem.sim.symbolic.arm import CARRY
-from skolem.tools.session import prepare
+from skolem.tools.loop.session import prepare
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Observation, RobotState, RunEnd

@@ -2,7 +2,7 @@
 
 import pytest
 
-from skolem.tools.optimality import optimality, optimality_of_all
+from skolem.tools.words.optimality import optimality, optimality_of_all
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from skolem.reasoner.rulebook.book import RULE_FILES
-from skolem.tools.source import source_sha256
+from skolem.tools.loop.source import source_sha256
 
 ROOT = Path(__file__).parent.parent
 CONFIG = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))

@@ -25,9 +25,9 @@ GREEN = ROOT / "scenarios" / "sim1_green.yaml"
 STOPPING = f"""
 import sys, time
 from pathlib import Path
-from skolem.tools.live import Silence
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.words.live import Silence
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
 
 class Stopping(Silence):
     def acted(self, action, result, observation):

@@ -8,9 +8,9 @@ import pytest
 from recordings import recorded
 
 from skolem.tools.cli import main
-from skolem.tools.replay_pool import reports
-from skolem.tools.replay_reports import Report, Wanted
-from skolem.tools.replayer import Replayer
+from skolem.tools.replay.pool import reports
+from skolem.tools.replay.replayer import Replayer
+from skolem.tools.replay.reports import Report, Wanted
 from skolem.traces.errors import InternalError
 
 SHARED = ("--workers", "2")

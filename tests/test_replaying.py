@@ -14,13 +14,13 @@ from recordings import recorded, rewritten, unchanged
 from skolem.reasoner.agent import Agent
 from skolem.reasoner.planning.instances import Instance
 from skolem.tools import cli
-from skolem.tools.fingerprint import differences
-from skolem.tools.live import Silence
-from skolem.tools.mind import Mind
-from skolem.tools.recorded_run import RecordedRun
-from skolem.tools.replaying import Options, Replayed, replay
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop.mind import Mind
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.recorded.fingerprint import differences
+from skolem.tools.recorded.replaying import Options, Replayed, replay
+from skolem.tools.recorded.run import RecordedRun
+from skolem.tools.words.live import Silence
 from skolem.traces.compare.diff import Tolerance, tolerance_for
 from skolem.traces.errors import InputError, InternalError, TraceError
 from skolem.traces.file.codec import counter_of
@@ -37,7 +37,7 @@ COMMAND = "import sys; from skolem.tools.cli import main; sys.exit(main())"
 NOT_FOR_A_REPLAY = (  # each takes a while to import
     *("distributed", "foxglove_schemas_protobuf", "mcap_protobuf", "ompl", "pyarrow", "pybullet", "rerun", "rich"),
     *("ruamel", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "scipy.stats"),
-    *("skolem.reasoner.lint.linting", "skolem.reasoner.lint.wrong_rules", "skolem.sim", "skolem.tools.session"),
+    *("skolem.reasoner.lint.linting", "skolem.reasoner.lint.wrong_rules", "skolem.sim", "skolem.tools.loop.session"),
 )
 OTHER_MACHINES = (
     {"PYTHONHASHSEED": "7", "OPENBLAS_NUM_THREADS": "2"},
@@ -89,8 +89,9 @@ def test_the_command_starts_with_no_more_than_thinking_takes() -> None:
 def test_a_run_with_physics_is_thought_again_without_the_simulator() -> None:
     path = recorded("sim1_green", 0, "pybullet")
     code = (
-        "import sys\nfrom pathlib import Path\nfrom skolem.tools.recorded_run import RecordedRun\n"
-        "from skolem.tools.replaying import Options, replay\nfrom skolem.tools.stopwatch import Stopwatch\n"
+        "import sys\nfrom pathlib import Path\nfrom skolem.tools.recorded.run import RecordedRun\n"
+        "from skolem.tools.recorded.replaying import Options, replay\n"
+        "from skolem.tools.loop.stopwatch import Stopwatch\n"
         "from skolem.traces.compare.diff import Tolerance\n"
         f"found = replay(RecordedRun(Path({str(path)!r})), Options(Tolerance()), Stopwatch())\n"
         "assert found.identical and found.ended\n"

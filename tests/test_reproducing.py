@@ -7,11 +7,11 @@ import pytest
 from recordings import recorded, rewritten, unchanged
 
 from skolem.tools import cli
-from skolem.tools.live import Silence
-from skolem.tools.mind import Mind
-from skolem.tools.reproducing import end_of_again, reproduce, setup_in
-from skolem.tools.session import Outcome, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop.mind import Mind
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.replay.reproducing import end_of_again, reproduce, setup_in
+from skolem.tools.words.live import Silence
 from skolem.traces.compare.diff import Comparison, Tolerance
 from skolem.traces.errors import InternalError, TraceError
 from skolem.traces.file.reader import Trace

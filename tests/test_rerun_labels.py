@@ -10,7 +10,7 @@ from recordings import recorded
 from rerun.chunk import RrdReader
 from views import eye_of
 
-from skolem.tools.viewing import pr2_model
+from skolem.tools.view.viewing import pr2_model
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Belief, Denotation, HsvBelief, ObjectBelief, ObjectType, Prior
 from skolem.traces.messages.likeliest import likeliest

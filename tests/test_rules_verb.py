@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 from skolem.reasoner.lint.docs import reference
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.tools.rules import app
+from skolem.tools.rules.command import app
 
 ROOT = Path(__file__).parent.parent
 DOUBTFUL = "step(wipe(O)) :- goal(holding(O)).\n"

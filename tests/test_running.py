@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from mcap.writer import Writer
 
-from skolem.tools import cli, watching
+from skolem.tools import cli
+from skolem.tools.run import watching
 from skolem.traces.file.reader import Trace
 from skolem.traces.file.writer import TraceWriter, partial_of
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from skolem.sim.symbolic.world import SymbolicWorld
-from skolem.tools.live import Silence
-from skolem.tools.session import PARTS, Outcome, prepare, run, summary
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop.session import PARTS, Outcome, prepare, run, summary
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Geometry, Plan, RunEnd, RunStart

@@ -10,7 +10,7 @@ from mcap.records import Attachment, Message
 from tampering import each, rewrite
 
 from skolem.tools import cli
-from skolem.tools.belief_table import COLUMNS
+from skolem.tools.words.belief_table import COLUMNS
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Belief, Candidate, Decision, Plan, RunStart
 

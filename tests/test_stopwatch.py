@@ -1,6 +1,6 @@
 """Wall time by part, on a clock that is turned by hand."""
 
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop.stopwatch import Stopwatch
 
 
 def test_a_part_inside_another_stops_the_other_meanwhile() -> None:

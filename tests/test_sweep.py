@@ -17,10 +17,11 @@ import psutil
 import pytest
 from distributed import Client
 
-from skolem.tools import cli, session
-from skolem.tools.sweep_rows import Row, results_csv, times_csv
-from skolem.tools.sweep_task import Task, WorkerRefusedError, done_before, perform, tasks_of
-from skolem.tools.sweeping import seed_range
+from skolem.tools import cli
+from skolem.tools.loop import session
+from skolem.tools.sweep.rows import Row, results_csv, times_csv
+from skolem.tools.sweep.sweeping import seed_range
+from skolem.tools.sweep.task import Task, WorkerRefusedError, done_before, perform, tasks_of
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import RunEnd
 
@@ -165,7 +166,7 @@ def test_resuming_does_nothing_anew(
 ) -> None:
     before = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in by_two.glob("*.mcap")}
     results = (by_two / "results.csv").read_bytes()
-    monkeypatch.setattr("skolem.tools.sweep_task.perform", None)
+    monkeypatch.setattr("skolem.tools.sweep.task.perform", None)
     args = [str(GREEN), "--world", "symbolic", "--set", SHORT, "--seeds", "0-3", "-o", str(by_two)]
     assert called(monkeypatch, "sweep", *args) == 1
     assert {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in by_two.glob("*.mcap")} == before
@@ -200,7 +201,7 @@ def test_an_account_is_put_into_a_file_that_has_others(by_two: Path, monkeypatch
 def test_bad_input_exits_with_2_before_anything_starts(
     args: list[str], said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("skolem.tools.sweeping.execute", None)
+    monkeypatch.setattr("skolem.tools.sweep.sweeping.execute", None)
     assert called(monkeypatch, "sweep", *args, "--world", "symbolic", "-o", str(tmp_path / "out")) == 2
     assert said in " ".join(capsys.readouterr().err.split())
     assert not (tmp_path / "out").exists()
@@ -299,7 +300,7 @@ def test_a_worker_that_is_killed_takes_no_run_along(by_two: Path, tmp_path: Path
 def test_a_scheduler_that_is_not_there_is_bad_input(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("skolem.tools.sweep_pool.CONNECT_S", 0.2)
+    monkeypatch.setattr("skolem.tools.sweep.pool.CONNECT_S", 0.2)
     args = [str(GREEN), "--world", "symbolic", "--seeds", "0", "-o", str(tmp_path), "--scheduler", f"tcp://{HOST}:9"]
     assert called(monkeypatch, "sweep", *args) == 2
     assert f"no scheduler answers at 'tcp://{HOST}:9'" in capsys.readouterr().err

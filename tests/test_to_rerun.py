@@ -8,8 +8,8 @@ from recordings import recorded
 from rerun.chunk import RrdReader
 from views import filmed, rows_of
 
-from skolem.tools.viewer import binary
-from skolem.tools.viewing import pr2_model
+from skolem.tools.view.viewer import binary
+from skolem.tools.view.viewing import pr2_model
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Belief, Decision, Denotation, Plan, TrueState
 from skolem.traces.scene.recording import convert

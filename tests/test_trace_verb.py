@@ -86,7 +86,7 @@ def test_a_trace_that_would_be_too_large_is_refused(
     bless: object, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert callable(bless)
-    monkeypatch.setattr("skolem.tools.blessing.MAX_BYTES", 1000)
+    monkeypatch.setattr("skolem.tools.files.blessing.MAX_BYTES", 1000)
     status, _, err = bless("short", "--reason", "first", *recipe(1), "--why", "a short run")
     assert (status, "allowed are 1000; choose a shorter run" in err) == (2, True)
     assert [path.name for path in folder.iterdir()] == [MANIFEST]

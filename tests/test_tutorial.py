@@ -7,10 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from skolem.sim.scenario.scenario import load_document
-from skolem.tools import explain, rules
-from skolem.tools.live import Silence
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.explain import command as explain
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.rules import command as rules
+from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action
 

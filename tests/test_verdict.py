@@ -6,7 +6,7 @@ from skolem.reasoner.language.parser import parse_goal
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.protocols import BeliefQueries
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.tools.verdict import Truth, verdict
+from skolem.tools.loop.verdict import Truth, verdict
 from skolem.traces.messages import HsvVolume, TrueObject, TrueState, TypeIs, Verdict, WeightInterval
 
 TABLE = TrueObject(id="table1", type="table", world_T_object=(1.3, 0.0, 0.0, 0.0), hsv=(0.1, 0.5, 0.6), kg=30.0)

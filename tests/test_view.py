@@ -13,9 +13,10 @@ from PIL import Image, ImageChops
 from recordings import SCENARIOS, recorded
 from views import need_driver
 
-from skolem.tools import cli, viewing
-from skolem.tools.children import end
-from skolem.tools.watching import watched
+from skolem.tools import cli
+from skolem.tools.loop.children import end
+from skolem.tools.run.watching import watched
+from skolem.tools.view import viewing
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
 
@@ -132,7 +133,7 @@ def test_a_window_that_cannot_be_opened_does_not_hinder_the_run(tmp_path: Path) 
 @pytest.mark.viewer
 def test_who_watches_is_gone_when_the_run_is_killed(tmp_path: Path) -> None:
     code = (
-        "import sys, time; from pathlib import Path; from skolem.tools.watching import watched\n"
+        "import sys, time; from pathlib import Path; from skolem.tools.run.watching import watched\n"
         "with watched(Path(sys.argv[1])):\n    time.sleep(60)"
     )
     run = subprocess.Popen([sys.executable, "-c", code, str(tmp_path / "x.mcap")], env=os.environ | {"DISPLAY": NOBODY})

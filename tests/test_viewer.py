@@ -20,8 +20,8 @@ from PIL import Image
 from recordings import SCENARIOS, recorded
 from views import PICTURES, need_browser, need_driver
 
-from skolem.tools import viewer, viewing
-from skolem.tools.viewer import LOOPBACK, complaints
+from skolem.tools.view import viewer, viewing
+from skolem.tools.view.viewer import LOOPBACK, complaints
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
 from skolem.traces.file.writer import partial_of
@@ -152,7 +152,7 @@ def test_it_listens_to_this_machine_alone_and_ends_with_the_block(recording: Pat
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
 def test_it_ends_when_its_parent_is_ended(recording: Path, how: signal.Signals) -> None:
     code = (  # Ctrl-C is heard in a background job too
-        "import signal, sys; from pathlib import Path; from skolem.tools.viewer import viewer\n"
+        "import signal, sys; from pathlib import Path; from skolem.tools.view.viewer import viewer\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "with viewer('web', Path(sys.argv[1])) as shown:\n"
         "    print(shown.pid, flush=True); shown.wait()"

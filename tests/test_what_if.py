@@ -10,11 +10,11 @@ import pytest
 from recordings import recorded, rewritten, unchanged
 
 from skolem.tools.cli import main
-from skolem.tools.other_minds import Changes, changes_of, given_with
-from skolem.tools.recorded_rules import Rulebooks
-from skolem.tools.recorded_run import RecordedRun
-from skolem.tools.stopwatch import Stopwatch
-from skolem.tools.what_if import Foreseen, ends_alike, foresee
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.recorded.rules import Rulebooks
+from skolem.tools.recorded.run import RecordedRun
+from skolem.tools.replay.other_minds import Changes, changes_of, given_with
+from skolem.tools.replay.what_if import Foreseen, ends_alike, foresee
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import Action, Command, Hand, Joints7, Message, MoveBase, Place, Weigh

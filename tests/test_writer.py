@@ -19,9 +19,9 @@ from mcap.writer import Writer
 from recordings import SCENARIOS
 
 from skolem.sim.symbolic.world import SymbolicWorld
-from skolem.tools.live import Silence
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError, InternalError, UnwrittenError
 from skolem.traces.file import writer as writer_module
 from skolem.traces.file.container import Copy, pieces

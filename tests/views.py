@@ -9,10 +9,10 @@ from needs import missing
 from recordings import SCENARIOS
 from rerun.chunk import RrdReader
 
-from skolem.tools.live import Silence
-from skolem.tools.session import Outcome, prepare, run
-from skolem.tools.stopwatch import Stopwatch
-from skolem.tools.viewing import pr2_model
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.view.viewing import pr2_model
+from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace
 from skolem.traces.scene.eye import Eye
 from skolem.traces.scene.recording import Scene

@@ -15,44 +15,53 @@ from typer.core import TyperGroup
 
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "check": (
-        "skolem.tools.check",
+        "skolem.tools.files.check",
         "Check that traces are whole and unchanged; name the first fault of each, with its place and what to do.",
     ),
     "diff": (
-        "skolem.tools.diff",
+        "skolem.tools.files.diff",
         "Print where two runs part first, how often each field differs, and where the robot decides otherwise.",
     ),
-    "info": ("skolem.tools.info", "Print what a run was made of, how it went, and what takes the room in its trace."),
+    "info": (
+        "skolem.tools.show.info",
+        "Print what a run was made of, how it went, and what takes the room in its trace.",
+    ),
     "recover": (
-        "skolem.tools.recover",
+        "skolem.tools.files.recover",
         "Save every message that is whole of a trace that was cut off or damaged.",
     ),
     "replay": (
-        "skolem.tools.replay",
+        "skolem.tools.replay.command",
         "Think recorded runs again without a simulator, and compare; or see what other rules or goals would decide.",
     ),
     "reproduce": (
-        "skolem.tools.reproduce",
+        "skolem.tools.replay.reproduce",
         "Run a recorded run again from its attached scenario, rules and seed, and compare everything but wall times.",
     ),
     "explain": (
-        "skolem.tools.explain",
+        "skolem.tools.explain.command",
         "Explain one decision of a run: why this object, why this action, why plans were dropped, why the run ended.",
     ),
-    "rules": ("skolem.tools.rules", "Check rule files, or print the reference of rules, words and queries."),
-    "run": ("skolem.tools.run", "Run a scenario and record it as a trace."),
-    "scenario": ("skolem.tools.scenario_check", "Check scenario files, or print their JSON Schema."),
+    "rules": (
+        "skolem.tools.rules.command",
+        "Check rule files, or print the reference of rules, words and queries.",
+    ),
+    "run": ("skolem.tools.run.command", "Run a scenario and record it as a trace."),
+    "scenario": ("skolem.tools.rules.scenario_check", "Check scenario files, or print their JSON Schema."),
     "show": (
-        "skolem.tools.show",
+        "skolem.tools.show.command",
         "Print how a run was planned: every plan, what refined it, what was done and what was dropped.",
     ),
     "sweep": (
-        "skolem.tools.sweep",
+        "skolem.tools.sweep.command",
         "Run scenarios for many seeds, several at a time, and write tables of how it went.",
     ),
-    "trace": ("skolem.tools.trace", "Record golden traces anew: the only way in which they change."),
+    "trace": (
+        "skolem.tools.files.bless_command",
+        "Record golden traces anew: the only way in which they change.",
+    ),
     "view": (
-        "skolem.tools.view",
+        "skolem.tools.view.command",
         "Show a run: the robot, true and believed things, the camera, plans, decisions and curves, over steps or time.",
     ),
 }

@@ -6,7 +6,7 @@ import pytest
 from papers import Handler, at_five_percent, seen_as, shipped
 from searches import TOP, TYPES, thing
 
-from skolem.tools.belief_table import COLUMNS, belief_rows
+from skolem.tools.words.belief_table import COLUMNS, belief_rows
 from skolem.traces.messages import Detection, ObjectType, Pose4, Prior, PriorObject
 
 CARTON = ObjectType(shape="box", size_m=(0.06, 0.09, 0.14), graspable=True)

@@ -5,7 +5,7 @@ import math
 from papers import Handler, at_five_percent, shipped
 from searches import thing
 
-from skolem.tools.belief_table import COLUMNS, belief_rows
+from skolem.tools.words.belief_table import COLUMNS, belief_rows
 from skolem.traces.messages import HsvBelief
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from papers import HEAVY, STANDS, Handler, at_five_percent, normal_tail, seen_as, shipped
 
-from skolem.tools.belief_table import belief_rows
+from skolem.tools.words.belief_table import belief_rows
 
 
 def met() -> Handler:

@@ -2,7 +2,7 @@
 
 from papers import plans, rehearsed
 
-from skolem.tools.plan_tree import tree_lines
+from skolem.tools.words.plan_tree import tree_lines
 
 
 def tree() -> list[str]:

@@ -2,7 +2,7 @@
 
 from papers import plans, rehearsed
 
-from skolem.tools.plan_tree import plan_lines
+from skolem.tools.words.plan_tree import plan_lines
 
 
 def test_each_row_is_a_plan_at_one_level() -> None:

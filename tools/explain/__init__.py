@@ -1,0 +1,1 @@
+"""The verb `explain`. May import: loop, recorded, words, reasoner.planning."""

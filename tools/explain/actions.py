@@ -1,0 +1,169 @@
+"""Why this action: the plans on the stack, and in each the rules that lead from its goal down to the chosen step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from skolem.reasoner.planning.instances import title
+from skolem.reasoner.planning.patterns import entails
+from skolem.reasoner.planning.proofs import Derivation, Proof, rules_used
+from skolem.reasoner.terms import Compound, Term, parse_term
+from skolem.tools.explain.insight import Insight, Layer
+from skolem.traces.messages import RememberedStep
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A step, what it is taken for, and who needs that.
+
+    Attributes:
+        op: The step.
+        level: How detailed it is, of `concrete` levels.
+        concrete: The level at which it can be carried out.
+        achieves: The fluent it is taken for.
+        rule: The rule by which it achieves that, `look.lp:19`; empty if the rules do not derive it in this belief.
+        needed_by: The step that needs the fluent; empty if the plan's goal does.
+        need_rule: The rule by which it is needed; empty likewise.
+        costs: -ln p in micro-nats, by reason, with the rule.
+        answers: What the rules asked of the belief on the way, with the answers.
+        rules: Every rule of the derivation, by its place.
+    """
+
+    op: str
+    level: int
+    concrete: int
+    achieves: str
+    rule: str
+    needed_by: str
+    need_rule: str
+    costs: tuple[tuple[str, int, str], ...] = ()
+    answers: tuple[str, ...] = ()
+    rules: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LayerView:
+    """One plan on the stack.
+
+    Attributes:
+        made: The decision at which it was made.
+        within: At most this many times the cost of the best plan; 1: it is the best; None: no bound is known.
+        goal: What it is to make true.
+        steps: In execution order.
+        chosen: Which of them is to be taken.
+        chain: From the chosen step up to the goal.
+    """
+
+    made: int
+    within: float | None
+    goal: tuple[str, ...]
+    steps: tuple[str, ...]
+    chosen: int
+    chain: tuple[Link, ...] = ()
+
+
+class Rules:
+    """Derivations in the beliefs in which plans were made."""
+
+    def __init__(self) -> None:
+        """Know none yet."""
+        self._known: dict[tuple[int, Term], Derivation] = {}
+        self._insight: Insight | None = None
+
+    def enter(self, insight: Insight) -> None:
+        """Take derivations in this belief from now on."""
+        self._insight = insight
+
+    def of(self, fluent: Term) -> Derivation:
+        """Return what the rules derive when asked for a fluent, in the present belief."""
+        assert self._insight is not None, "a belief is entered first"
+        key = (self._insight.step, fluent)
+        if key not in self._known:
+            self._known[key] = self._insight.derivation(fluent)
+        return self._known[key]
+
+
+def view(layer: Layer, chosen: int, made: int, within: float | None, rules: Rules) -> LayerView:
+    """Return a plan of the stack, explained in the belief in which it was made."""
+    steps = tuple(title(parse_term(step.called)) for step in layer)
+    return LayerView(made, within, layer[-1].subgoal, steps, chosen, tuple(_chain(layer, chosen, rules)))
+
+
+def _chain(layer: Layer, start: int, rules: Rules) -> Sequence[Link]:
+    """Return the links from a step to the goal of its plan: what it makes true, who introduced that, and so on."""
+    links: list[Link] = []
+    at: int | None = start
+    while at is not None and (gained := _gained(layer[at])):
+        ways = [(not _results(layer[at], f, [f], rules), _needer(layer, at, f), f) for f in gained]
+        _, needer, fluent = min(ways, key=lambda way: (way[0], way[1] is None, way[1] or 0, way[2]))
+        links.append(_link(layer, at, fluent, needer, rules))
+        at = needer
+    return links
+
+
+def _gained(step: RememberedStep) -> list[str]:
+    """Return the fluents that a step makes true for its subgoal."""
+    return [fluent for fluent in step.subgoal if fluent not in step.preimage]
+
+
+def _needer(layer: Layer, at: int, fluent: str) -> int | None:
+    """Return the next step that brought the fluent in as its precondition; None if the goal of the plan did."""
+    later = range(at + 1, len(layer))
+    return next((k for k in later if fluent in layer[k].preimage and fluent not in layer[k].subgoal), None)
+
+
+def _link(layer: Layer, at: int, fluent: str, needer: int | None, rules: Rules) -> Link:
+    step = layer[at]
+    results = _results(step, fluent, [fluent, *_gained(step)], rules)
+    costs = _of_step(step, "cost", _gained(step), rules)
+    needs = [] if needer is None else _needs(layer[needer], fluent, rules)
+    proofs = [*results[:1], *costs, *needs[:1]]
+    return Link(
+        op=title(parse_term(step.called)),
+        level=step.level,
+        concrete=step.concrete,
+        achieves=fluent,
+        rule=results[0].place if results else "",
+        needed_by="" if needer is None else title(parse_term(layer[needer].called)),
+        need_rule=needs[0].place if needs else "",
+        costs=tuple((str(_argument(p, 1)), _cost(p), p.place) for p in costs),
+        answers=tuple(dict.fromkeys(answer for p in [*results[:1], *costs] for answer in _answers(p))),
+        rules=tuple(dict.fromkeys(place for p in proofs for place in rules_used(p))),
+    )
+
+
+def _results(step: RememberedStep, fluent: str, asked: Sequence[str], rules: Rules) -> list[Proof]:
+    """Return the derivations by which a step gives a fluent, when the rules are asked for some fluents."""
+    wanted = parse_term(fluent)
+    return [proof for proof in _of_step(step, "result", asked, rules) if entails(_argument(proof, 1), wanted)]
+
+
+def _needs(step: RememberedStep, fluent: str, rules: Rules) -> list[Proof]:
+    """Return the derivations by which a step needs a fluent."""
+    given = parse_term(fluent)
+    return [proof for proof in _of_step(step, "precond", _gained(step), rules) if entails(given, _argument(proof, 1))]
+
+
+def _of_step(step: RememberedStep, part: str, asked: Sequence[str], rules: Rules) -> list[Proof]:
+    """Return the derivations of all atoms of a kind about a step, each once."""
+    instance, arity = parse_term(step.instance), 2 if part == "result" else 3
+    derivations = [rules.of(parse_term(fluent)) for fluent in dict.fromkeys(asked)]
+    found = {a: d.proof(a) for d in reversed(derivations) for a in d.atoms(part, arity) if a.args[0] == instance}
+    return [found[atom] for atom in sorted(found, key=str)]
+
+
+def _argument(proof: Proof, index: int) -> Term:
+    assert isinstance(proof.atom, Compound)
+    return proof.atom.args[index]
+
+
+def _cost(proof: Proof) -> int:
+    cost = _argument(proof, 2)
+    return cost if isinstance(cost, int) else 0
+
+
+def _answers(proof: Proof) -> list[str]:
+    """Return the queries inside a derivation, with their answers."""
+    match proof.atom:
+        case Compound("=", (question, answer)):
+            return [f"@{question} = {answer}"]
+    return [text for premise in proof.premises for text in _answers(premise)]

@@ -1,0 +1,103 @@
+"""The verb `explain`."""
+
+import json as json_format
+import sys
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from skolem.traces.errors import Fault, InputError
+from skolem.traces.printable import printable
+
+if TYPE_CHECKING:
+    from skolem.tools.explain.explaining import Explanation
+    from skolem.tools.explain.text import Tree
+
+PARTED = (
+    "the actions and plans below are the robot's, beliefs and reasons are what this version thinks, not what the robot "
+    "thought; `skolem replay` shows where"
+)
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+
+@app.command()
+def explain(
+    trace: Annotated[Path, typer.Argument(help="Trace of a run.")],
+    step: Annotated[
+        int | None, typer.Option(min=0, help="The decision to explain. Default: the last one of the run.")
+    ] = None,
+    why_not: Annotated[
+        str | None, typer.Option("--why-not", metavar="ANCHOR", help="Only what speaks for and against this object.")
+    ] = None,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
+    ] = False,
+) -> None:
+    """Explain one decision of a run: why this object, why this action, why plans were dropped, why the run ended.
+
+    Made from the trace alone: the mind is rebuilt from what it sensed, and the attached rules are asked again.
+
+    Exit status: 0 explained, 2 there is no such decision or object, 3 the trace cannot be read.
+    """
+    from skolem.tools.explain.explaining import explained
+
+    found = explained(trace, step)
+    if found.parts is not None and not json:
+        print(f"this version thinks otherwise from step {found.parts} on: {PARTED}\n")
+    if why_not is not None:
+        _print_object(found, why_not, json)
+    elif json:
+        print(json_format.dumps(asdict(found)))
+    else:
+        _print_all(found)
+
+
+def _print_object(found: "Explanation", name: str, json: bool) -> None:
+    from skolem.tools.explain.text import choice_tree
+
+    options = {} if found.choice is None else {option.object: option for option in found.choice.options}
+    if name not in options:
+        there = ", ".join(options) or "none: no plan was being followed"
+        raise InputError([Fault("--why-not", 0, 0, f"no object {name} to choose; there are: {there}")])
+    assert found.choice is not None
+    if json:
+        print(json_format.dumps(asdict(options[name])))
+    else:
+        _print(choice_tree(replace(found.choice, options=(options[name],))))
+
+
+def _print_all(found: "Explanation") -> None:
+    from skolem.tools.explain.text import action_tree, choice_tree, drop_tree, end_tree
+
+    print(f"goal: {printable(found.goal)}\nstep {found.step}: {printable(found.action or 'no action')}")
+    trees = [] if found.choice is None else [choice_tree(found.choice)]
+    trees += [action_tree(found.action, found.layers)] if found.layers else []
+    trees += [drop_tree(found.drops)] if found.drops else []
+    trees += [] if found.ending is None else [end_tree(found.ending)]
+    for tree in trees:
+        print()
+        _print(tree)
+    for note in found.notes:
+        print(f"\nnote: {printable(note)}")
+
+
+def _print(tree: "Tree") -> None:
+    """Print a tree: on a terminal in colours and as wide as it is, else as lines of any length."""
+    from skolem.tools.explain.text import lines
+
+    if not sys.stdout.isatty():
+        print("\n".join(lines(tree)))
+        return
+    from rich.console import Console
+    from rich.text import Text
+    from rich.tree import Tree as RichTree
+
+    def branch(of: "Tree", style: str) -> RichTree:
+        found = RichTree(Text(printable(of.line), style))
+        found.children = [branch(below, "") for below in of.below]
+        return found
+
+    Console(highlight=False).print(branch(tree, "bold"))

@@ -1,0 +1,262 @@
+"""Why a run ended without success, and what would have to change for it to go on."""
+
+import math
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from skolem.reasoner.agent import IMPOSSIBLE, NOT_FOUND, UNLIKELY
+from skolem.reasoner.planning.goals import nearness
+from skolem.reasoner.planning.hierarchy import PlanStack
+from skolem.reasoner.planning.instances import title
+from skolem.reasoner.planning.queries import IMPLAUSIBLE
+from skolem.reasoner.planning.regression import Step, regress
+from skolem.reasoner.terms import CAP_MICRONATS, Compound, parse_term, prob
+from skolem.tools.explain.insight import Insight, Truth, truth
+from skolem.tools.explain.objects import Choice
+from skolem.tools.explain.plans import planned
+from skolem.tools.explain.refusals import Refusal, ruled_out
+from skolem.tools.recorded.geometry import NotRecordedError
+from skolem.tools.recorded.run import RecordedStep
+from skolem.traces.messages import Decision, Memory, Plan, RunEnd
+from skolem.traces.messages.fluents import readable
+
+DOUBTFUL = 0.5
+LOWEST_BOUND = 0.01  # what is believed less than this is not worth asking for
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """Something that stood in the way, and what would remove it.
+
+    Attributes:
+        kind: `goal`, `property`, `threshold`, `expansions`, `plan_changes`, `steps`, `repeats`, `rule`, `geometry`,
+            `region` or `failure`.
+        finding: What stood in the way.
+        change: What would have to be otherwise.
+    """
+
+    kind: str
+    finding: str
+    change: str
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """The end of a run without success.
+
+    Attributes:
+        status: As the trace has it.
+        reason: As the robot put it.
+        remedies: What stood in the way, nearest to the goal first.
+    """
+
+    status: str
+    reason: str
+    remedies: tuple[Remedy, ...]
+
+
+def ending(
+    insight: Insight, choice: Choice, end: RunEnd, after: Memory | None, refused: Sequence[Refusal] = ()
+) -> Ending:
+    """Return why a run ended.
+
+    Args:
+        insight: The mind at the last decision.
+        choice: The objects there were to choose.
+        end: How the run ended.
+        after: What was remembered when it had ended; None if the trace cannot tell.
+        refused: What was refused at the last decision.
+    """
+    found = [*_short_of_the_goal(choice, end), *_properties(insight, choice, end.anchor), *_limits(insight, end)]
+    in_vain = _in_vain(insight, after)
+    repeats = f"limits.repeats above {insight.given.limits.repeats}, or what keeps it from working"
+    for name, count in in_vain.items():
+        found.append(Remedy("repeats", f"{name} was done {count} times without doing what it should", repeats))
+    if end.status == "goal_unachievable":
+        found += [*_threshold(insight), *_impossible(insight, end, refused, in_vain), *_regions(insight)]
+    return Ending(end.status, end.reason, tuple(found))
+
+
+def _short_of_the_goal(choice: Choice, end: RunEnd) -> Iterator[Remedy]:
+    """The conjuncts of the goal that its closest object falls short of."""
+    best = next((o for o in choice.options if o.object == end.anchor), None)
+    for each in () if best is None else best.fluents:
+        if _is_met_otherwise(each, choice):
+            continue
+        if each.holds is False and each.probability is not None and each.wanted is not None:
+            finding = f"the goal asks for {readable(each.fluent)}; its closest object has p = {each.probability:.3f}"
+            lower = f"a bound of at most {_below(each.probability):g}, or " if each.probability >= LOWEST_BOUND else ""
+            yield Remedy("goal", finding, f"{lower}evidence that raises p")
+
+
+def _is_met_otherwise(fluent: Truth, choice: Choice) -> bool:
+    """Return whether another known object is what one of several descriptions means."""
+    match parse_term(fluent.fluent):
+        case Compound("b", (Compound("den", (str(expression), _)), _)) if len(choice.descriptions) > 1:
+            return any(option.denotes.get(expression, 0.0) >= (fluent.wanted or 1.0) for option in choice.options)
+    return False
+
+
+def _properties(insight: Insight, choice: Choice, anchor: str | None) -> Iterator[Remedy]:
+    """How near the nearest objects come to each description, `anchor` if others are as near; what none has besides."""
+    goal = insight.given.goal
+    objects = [option.object for option in choice.options if option.exists is not None]
+    objects.sort(key=lambda name: name != anchor)
+    scope = "all known objects" if goal.variables else "the objects that the goal names"
+    has: dict[str, dict[str, float]] = {name: {} for name in objects}
+    lacking: set[str] = set()
+    for expression, text in goal.expressions.items():
+        each = {name: insight.denotations.conjuncts(expression, name, insight.belief) for name in objects}
+        each = {name: conjuncts for name, conjuncts in each.items() if conjuncts}
+        if not each:
+            continue
+        nearest, finding = _nearest(insight, each, scope)
+        least = min(sorted(each[nearest]), key=each[nearest].__getitem__)
+        lacking.add(least)
+        if each[nearest][least] < DOUBTFUL:
+            finding += f" (meant by {text})" if len(goal.expressions) > 1 else ""
+            yield Remedy("property", finding, f"an object that is {least} besides would have to be known or found")
+        for name, conjuncts in each.items():
+            has[name] |= conjuncts
+    for word in sorted({word for conjuncts in has.values() for word in conjuncts} - lacking):
+        p, name = max((conjuncts[word], name) for name, conjuncts in has.items() if word in conjuncts)
+        if p < DOUBTFUL:
+            finding = f"of {scope} {name} is the likeliest to be {word}, with p = {p:.3g}"
+            yield Remedy("property", finding, f"an object that is {word} would have to be known or found")
+
+
+def _nearest(insight: Insight, conjuncts: Mapping[str, Mapping[str, float]], scope: str) -> tuple[str, str]:
+    """Return the object that comes nearest to a description, and what says so, with the nearest that a hand can hold.
+
+    Args:
+        insight: The mind at the last decision.
+        conjuncts: P of every property that the description turns on, by object.
+        scope: What the objects are.
+    """
+    near = {name: nearness(found, name, insight.belief) for name, found in conjuncts.items()}
+
+    def told(name: str) -> str:
+        return ", ".join(f"{word} {p:.3g}" for word, p in conjuncts[name].items())
+
+    nearest = max(near, key=lambda name: near[name][1:])
+    movable = max(near, key=near.__getitem__)
+    finding = f"of {scope} {nearest} comes nearest to what is meant: {told(nearest)}"
+    if near[movable][0] and not near[nearest][0]:
+        finding += f"; of those that a hand can hold {movable}: {told(movable)}"
+    return nearest, finding
+
+
+def _limits(insight: Insight, end: RunEnd) -> Iterator[Remedy]:
+    limits = insight.given.limits
+    changes = len(insight.recorded.all_of(Plan))
+    if end.steps >= limits.steps:
+        yield Remedy("steps", f"{end.steps} actions were executed", f"limits.steps above {limits.steps}")
+    if changes > limits.plan_changes:
+        finding = f"plans changed {changes} times without an action"
+        yield Remedy("plan_changes", finding, f"limits.plan_changes above {limits.plan_changes}")
+    stopped = [d for d in insight.recorded.all_of(Decision) if not d.plan and d.expansions >= limits.expansions]
+    if stopped:
+        finding = f"{len(stopped)} of the last searches stopped at {limits.expansions} expansions without a plan"
+        yield Remedy("expansions", finding, f"limits.expansions above {limits.expansions}")
+
+
+def _in_vain(insight: Insight, after: Memory | None) -> dict[str, int]:
+    """Return the actions that are not tried again, with how often they did not do what they should.
+
+    The one that was done last is judged at the beginning of the last decision.
+    """
+    before, most = insight.recorded.memory, insight.given.limits.repeats
+    if before is None:
+        return {}
+    done = {step: step for step, count in before.failures.items() if count >= most}
+    done |= {} if before.executed is None else {before.executed.instance: before.executed.called}
+    failures = (after or before).failures
+    often = {step: count for step, count in sorted(failures.items()) if step in done and count >= most}
+    return {title(parse_term(done[step])): count for step, count in often.items()}
+
+
+def _threshold(insight: Insight) -> Iterator[Remedy]:
+    """The plan that would be found if no plan were too unlikely."""
+    limits = insight.given.limits
+    plans = [f for root in insight.posed.instantiations if (f := planned(insight, root, CAP_MICRONATS)) is not None]
+    best = min((found for found in plans if found.steps is not None), key=lambda found: found.cost, default=None)
+    if best is None or best.steps is None:
+        return
+    p = _below(prob(max(best.cost, _dearest(insight, best.steps))))
+    if p < limits.min_plan_probability:
+        names = "; ".join(title(step.instance.called) for step in best.steps)
+        finding = f"the likeliest plan, refined as far as the trace can tell, has p = {p:g}: {names}"
+        yield Remedy("threshold", finding, f"limits.min_plan_probability of at most {p:g}")
+
+
+def _dearest(insight: Insight, steps: Sequence[Step]) -> int:
+    """Return the cost of the dearest plan that refines the first step, down to where geometry would be asked anew."""
+    stack, dearest = PlanStack(), 0
+    stack.push(steps)
+    most, offers = insight.given.limits.expansions, insight.posed.offers
+    while (current := stack.current()) is not None and not current.is_concrete:
+        try:
+            ways = (
+                regress((current.subgoal,), offers, stack.level_of, lambda *_: False, most, CAP_MICRONATS, final)
+                for final in (current.instance.called, None)
+            )
+            found = next((way for way in ways if way.steps), None)
+        except NotRecordedError:
+            break
+        if found is None or found.steps is None:
+            break
+        dearest = max(dearest, found.cost)
+        stack.push(found.steps)
+    return dearest
+
+
+def _below(p: float) -> float:
+    """Return the next smaller number of two digits, of a p above 0."""
+    unit = 10.0 ** (math.floor(math.log10(p)) - 1)
+    return float(f"{math.floor(p / unit) * unit:.2g}")
+
+
+def failure(found: RecordedStep, end: RunEnd) -> Ending:
+    """Return why a run ended that failed: what failed is all that is known."""
+    done = "the next action could not be decided" if found.action is None else f"{found.action.op} could not be done"
+    finding = f"{done}, at step {found.step}: {end.reason.splitlines()[0] if end.reason else 'no reason is recorded'}"
+    change = "the rule or value that is named there; other beliefs may pass by it"
+    return Ending(end.status, end.reason, (Remedy("failure", finding, change),))
+
+
+def _impossible(insight: Insight, end: RunEnd, refused: Sequence[Refusal], in_vain: Container[str]) -> Iterator[Remedy]:
+    """Steps that could not be refined, for rules or prices that stand against it, or not be executed as things are."""
+    objections = {each.op: found for each in refused if (found := ruled_out(insight, each))}
+    for op, found in sorted(objections.items()):
+        finding = f"{op} has no way to be done that the rules do not refuse: {'; '.join(map(str, found))}"
+        yield Remedy("rule", finding, "the rules that are named, or what they ask of the belief")
+    said = dict(part.split(": ", 1) for part in end.reason.split("; ") if ": " in part)
+    for op in sorted({each.op for each in refused if each.op not in in_vain} - objections.keys()):
+        if op in said.get(UNLIKELY, ""):
+            floor = f"limits.min_plan_probability below {insight.given.limits.min_plan_probability:g}"
+            yield Remedy("threshold", f"{op} has no way to be done that is likely enough", floor)
+        elif op not in said.get(NOT_FOUND, ""):  # of these limits.expansions is said to stand in the way
+            finding = f"{op} was {IMPOSSIBLE}"
+            yield Remedy(
+                "geometry", finding, "a way to do it: other things, another arrangement, or a better known one"
+            )
+    for answer in insight.recorded.answers:
+        if answer.query.startswith("approach") and answer.answer is None:
+            finding = f"no way to {answer.query.removeprefix('approach ')}"
+            yield Remedy("geometry", finding, "a free place within reach for it")
+
+
+def _regions(insight: Insight) -> Iterator[Remedy]:
+    """Regions that are not worth a search any more, if the goal could be about something that was not met yet."""
+    if not insight.given.goal.variables:
+        return
+    regions = insight.belief.regions()
+    if not regions:
+        yield Remedy("region", "no region is known that could be searched", "a region in the prior (belief.regions)")
+    for region in regions:
+        for expression, text in insight.given.goal.expressions.items():
+            p = insight.posed.situation.probability(Compound("exists_in", (expression, region)))
+            seen = truth(insight, Compound("b", (Compound("contents", (region,)), 0))).probability
+            finding = f"{region}: seen {seen:.2f}, p = {p:.2g} that something hidden in it is meant by {text}"
+            least = f"below {IMPLAUSIBLE:g} it is not searched" if p < IMPLAUSIBLE else "its contents count as known"
+            yield Remedy("region", finding, f"an unseen part, or more objects expected there ({least})")

@@ -1,0 +1,212 @@
+"""Why a recorded robot did what it did: the mind is rebuilt from the trace, and the rules are asked again.
+
+Nothing is read off texts: the belief is made anew from what was sensed, the reasoner decides anew, and derivations are
+those of the rules attached to the trace. An explanation is plain data; `explanation_text` puts it into words.
+"""
+
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from skolem.estimation.belief import Belief
+from skolem.reasoner.agent import Agent
+from skolem.reasoner.planning.denotations import Denotations
+from skolem.reasoner.planning.goals import PosedGoal
+from skolem.reasoner.planning.proofs import Derivation
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.terms import ANY, Compound, Term, compound, prob
+from skolem.tools.recorded.geometry import NotRecordedError, RecalledGeometry
+from skolem.tools.recorded.rethinking import Given
+from skolem.tools.recorded.run import RecordedRun, RecordedStep
+from skolem.traces.errors import Fault, InputError
+from skolem.traces.messages import Decision, Memory, Plan, PlanStep, Quantity, RememberedStep
+
+PLANNED = ("start", "refine")  # causes of the plans that a search found
+
+
+@dataclass(frozen=True, slots=True)
+class Insight:
+    """A mind at one recorded decision. Good only until the next one is asked for: the belief goes on.
+
+    Attributes:
+        given: What the mind is made of.
+        recorded: The decision in the trace.
+        belief: What is believed.
+        denotations: The descriptions of the goal.
+        posed: The goal in this belief.
+        geometry: Answers as the trace does.
+    """
+
+    given: Given
+    recorded: RecordedStep
+    belief: Belief
+    denotations: Denotations
+    posed: PosedGoal
+    geometry: RecalledGeometry
+
+    @property
+    def step(self) -> int:
+        """The number of the decision."""
+        return self.recorded.step
+
+    def derivation(self, fluent: Term) -> Derivation:
+        """Return all that the rules derive when they are asked for a fluent."""
+        queries = Queries(self.posed.situation, self.denotations.alternatives)
+        return Derivation(self.given.rulebook, [compound("goal", fluent)], queries)
+
+    def stack(self) -> Memory | None:
+        """Return the plan stack with which the decision ends, decided anew; None if the trace cannot tell."""
+        given, before = self.given, self.recorded.memory
+        if before is None:
+            return None
+        agent = Agent(given.goal, given.rulebook, self.belief, self.geometry, given.limits)
+        agent.recall(before)
+        try:
+            agent.decide(self.step)
+        except NotRecordedError:
+            return None
+        return agent.memory(self.step + 1)
+
+
+def insights(run: RecordedRun, given: Given, steps: Iterable[int]) -> Iterator[Insight]:
+    """Yield the mind at each of some decisions, in order."""
+    wanted = sorted(set(steps))
+    belief, geometry = Belief(given.told), RecalledGeometry()
+    agent = Agent(given.goal, given.rulebook, belief, geometry, given.limits)
+    for recorded in run.steps():
+        if recorded.step in wanted:
+            geometry.take(recorded.answers)
+            geometry.sync(belief.snapshot(recorded.step))
+            if recorded.memory is not None:
+                agent.recall(recorded.memory)
+            with suppress(NotRecordedError):
+                agent.take_stock()
+            yield Insight(given, recorded, belief, agent.denotations, agent.posed, geometry)
+        if recorded.step >= max(wanted, default=-1) or recorded.action is None or recorded.met is None:
+            return
+        belief.update(recorded.action, *recorded.met)
+
+
+@dataclass(slots=True)
+class Course:
+    """What the plan stack went through up to one decision.
+
+    Attributes:
+        found: The decision.
+        before: The one before it; None at the first.
+        made: For each layer of the stack at its end, the step at which it was planned.
+        within: For each of these, how near the plan was known to be to the best one, as `Decision.within`.
+        root: The subgoal of the top layer when it was planned; empty if there is none.
+        stack: The plan stack with which the decision began, top first.
+        bound: Where the object not met yet that the top layer was made for turned out to be a known one, and the
+            subgoal since then; None if it did not.
+        plans: What happened to the stack, up to the end of the decision.
+        memories: What was remembered at the beginning of every decision, the next one included, where it is recorded.
+    """
+
+    found: RecordedStep
+    before: RecordedStep | None
+    made: list[int] = field(default_factory=list)
+    within: list[float | None] = field(default_factory=list)
+    root: tuple[str, ...] = ()
+    stack: tuple[tuple[PlanStep, ...], ...] = ()
+    bound: tuple[int, tuple[str, ...]] | None = None
+    plans: list[Plan] = field(default_factory=list)
+    memories: dict[int, Memory] = field(default_factory=dict)
+
+
+def course(run: RecordedRun, step: int | None) -> Course:
+    """Return what led to a decision; of the last one if `step` is None.
+
+    Raises:
+        InputError: If the run has no such decision.
+    """
+    made: list[int] = []
+    within: list[float | None] = []
+    root: tuple[str, ...] = ()
+    before, recorded = None, None
+    stack: tuple[tuple[PlanStep, ...], ...] = ()
+    bound: tuple[int, tuple[str, ...]] | None = None
+    memories: dict[int, Memory] = {}
+    changes: list[Plan] = []
+    for current in run.steps():
+        if (memory := current.memory) is not None:
+            memories[current.step] = memory
+        if recorded is not None and recorded.step == step:
+            break
+        before, recorded = recorded, current
+        plans = current.all_of(Plan)
+        changes += plans
+        found = iter([decision for decision in current.all_of(Decision) if decision.plan])
+        for plan in plans:
+            if plan.cause in PLANNED:
+                above = len(plan.layers) - 1
+                made, within = [*made[:above], plan.step], [*within[:above], next(found).within]
+                root, bound = (plan.layers[0][-1].subgoal, None) if len(plan.layers) == 1 else (root, bound)
+            if plan.cause == "bind_skolem" and plan.layers:
+                bound = plan.step, plan.layers[0][-1].subgoal
+            del made[len(plan.layers) :], within[len(plan.layers) :]
+        if current.step == step or current.last:
+            continue
+        stack = plans[-1].layers if plans else stack
+    assert recorded is not None, "a run without decisions has no steps to go through"
+    if step not in (None, recorded.step):
+        raise InputError([Fault("--step", 0, 0, f"the run has decisions 0 to {recorded.step}, got {step}")])
+    return Course(recorded, before, made, within, root, stack, bound, changes, memories)
+
+
+# ---------------------------------------------------------------- how true something is
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """How things stand with a fluent.
+
+    Attributes:
+        fluent: The fluent, as a term.
+        holds: Whether it holds; None if the trace cannot tell.
+        probability: What is believed of it; None if it is not about a probability.
+        wanted: The bound on that; None likewise.
+        detail: What a Gaussian fluent is measured by, or what else speaks for or against it.
+    """
+
+    fluent: str
+    holds: bool | None
+    probability: float | None = None
+    wanted: float | None = None
+    detail: str = ""
+
+
+def truth(insight: Insight, fluent: Term) -> Truth:
+    """Return how things stand with a fluent in a belief."""
+    situation = insight.posed.situation
+    try:
+        holds: bool | None = situation.holds(fluent)
+    except NotRecordedError:
+        holds = None
+    match fluent:
+        case Compound("b", (phi, int(p))) if "sk(" not in str(phi):
+            return Truth(str(fluent), holds, situation.probability(phi), prob(p))
+        case Compound("bn", (Compound(quantity, (str(anchor),)), *_)) if anchor in situation.anchors():
+            return Truth(str(fluent), holds, detail=_gaussian(insight, quantity, anchor))
+        case Compound("at", (activity,)) if activity in situation.fruitless_here:
+            return Truth(str(fluent), holds, detail="was in vain from here")
+    return Truth(str(fluent), holds)
+
+
+def _gaussian(insight: Insight, quantity: str, anchor: str) -> str:
+    names: dict[str, Quantity] = {"pose": "pose", "colour": "colour", "weight": "weight"}
+    known = insight.belief.gaussian(names[quantity], anchor)
+    mean = ", ".join(f"{1000 * float(x):.0f}" for x in known.mean)
+    sd = ", ".join(f"{1000 * float(x) ** 0.5:.0f}" for x in known.covariance.diagonal())
+    return f"mean ({mean}), sd ({sd}) thousandths, p(exists) {known.probability:.3f}"
+
+
+def mentioned(term: Term) -> set[str]:
+    """Return the constants that occur in a term."""
+    if isinstance(term, Compound):
+        return {name for arg in term.args for name in mentioned(arg)}
+    return {term} if isinstance(term, str) and term != ANY else set()
+
+
+Layer = tuple[RememberedStep, ...]

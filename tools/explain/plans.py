@@ -1,0 +1,67 @@
+"""Plans sought again as the robot sought them: for one reading of the goal, or by way of one region."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.planning.regression import Found, Subgoal, regress
+from skolem.reasoner.terms import prob
+from skolem.tools.explain.insight import Insight
+from skolem.tools.explain.refusals import Refused
+from skolem.tools.recorded.geometry import NotRecordedError
+
+
+def never(_instance: Instance, _level: int) -> bool:
+    """Refuse nothing."""
+    return False
+
+
+def planned(
+    insight: Insight, root: Subgoal, worst: int, refused: Callable[[Instance, int], bool] = never
+) -> Found | None:
+    """Return the cheapest plan for one reading of the goal; None if the trace cannot tell.
+
+    Args:
+        insight: The mind that plans.
+        root: The reading.
+        worst: The most that the plan may cost, micro-nats.
+        refused: What the plan must do without.
+    """
+    try:
+        return regress([root], insight.posed.offers, lambda _: 0, refused, insight.given.limits.expansions, worst)
+    except NotRecordedError:
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """What a plan that was not chosen is held against.
+
+    Attributes:
+        chosen: Whether one was chosen.
+        cost: Of that one, micro-nats; None if there is none, or the trace cannot tell.
+        refused: What the robot would not plan with.
+        sought: Whether a plan was sought at this decision.
+    """
+
+    chosen: bool
+    cost: int | None
+    refused: Refused
+    sought: bool
+
+
+def beaten(insight: Insight, plan: Found, rival: Rival) -> str:
+    """Return why a plan was not chosen although there is one."""
+    p = f"{prob(plan.cost):.3g}"
+    if rival.cost is not None and plan.cost > rival.cost:
+        return f"its best plan has p = {p}, the chosen one p = {prob(rival.cost):.3g}"
+    if said := rival.refused.objection(insight, plan):
+        return f"{said}; else its plan would have p = {p}"
+    if rival.cost is None and rival.chosen:
+        return f"its best plan has p = {p}; what that of the chosen one had cannot be told"
+    if rival.cost is None:
+        said = "the run ended before it was taken up" if rival.sought else "no plan was sought any more"
+        return f"its best plan has p = {p}, but {said}"
+    if plan.cost < rival.cost:
+        return f"its best plan has p = {p}, the chosen one only p = {prob(rival.cost):.3g}; the search did not find it"
+    return "its plan is as good; what is risky comes later in the chosen one, or it comes first in the belief"

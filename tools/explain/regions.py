@@ -1,0 +1,125 @@
+"""Why this region: every region in which an object that was not met yet may be, with what speaks for and against it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from skolem.reasoner.planning.instances import Instance, title
+from skolem.reasoner.planning.queries import IMPLAUSIBLE
+from skolem.reasoner.planning.regression import Found, Subgoal
+from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, prob
+from skolem.tools.explain.insight import Insight, mentioned
+from skolem.tools.explain.plans import Rival, beaten, planned
+
+
+@dataclass(frozen=True, slots=True)
+class RegionOption:
+    """One region where the object that is meant could be found.
+
+    Attributes:
+        region: Its anchor.
+        chosen: Whether the plan searches it.
+        exists_in: P that something not met yet, of which the description holds, is in it; by description.
+        cost: What its search is charged for that, -ln p in micro-nats; the cheapest of the descriptions.
+        contents: P that all it holds is known.
+        plan: The cheapest plan that searches it, in execution order; empty if there is none.
+        probability: Of that plan; None if there is none.
+        rejected: Why it was not chosen; empty if it was.
+    """
+
+    region: str
+    chosen: bool
+    exists_in: dict[str, float]
+    cost: int
+    contents: float
+    plan: tuple[str, ...]
+    probability: float | None
+    rejected: str
+
+
+def region_options(insight: Insight, root: Subgoal, chosen: Found | None, rival: Rival) -> tuple[RegionOption, ...]:
+    """Return every region for a reading of the goal about an object not met yet, the likeliest first.
+
+    Args:
+        insight: The mind that chose.
+        root: The reading.
+        chosen: The plan that was chosen; None if it is of another reading, or none was.
+        rival: What plans that were not chosen are held against.
+    """
+    wanted = dict(_wanted(root))
+    options = [_option(insight, region, root, wanted, chosen, rival) for region in insight.belief.regions()]
+    return tuple(sorted(options, key=lambda o: (not o.chosen, -(o.probability or 0.0), o.cost, o.region)))
+
+
+def _wanted(root: Subgoal) -> Iterator[tuple[str, int]]:
+    """Yield every description that something not met yet is to be, with the bound on that in micro-nats."""
+    for fluent in sorted(root, key=str):
+        match fluent:
+            case Compound("b", (Compound("den", (str(expression), Compound("sk", _))), int(p))):
+                yield expression, p
+
+
+def _option(
+    insight: Insight,
+    region: str,
+    root: Subgoal,
+    wanted: dict[str, int],
+    chosen: Found | None,
+    rival: Rival,
+) -> RegionOption:
+    situation = insight.posed.situation
+    p = {e: situation.probability(Compound("exists_in", (e, region))) for e in wanted}
+    contents = insight.belief.prob_contents(region)
+    is_chosen = chosen is not None and chosen.steps is not None and region in _searched(chosen)
+    why = _not_searchable(p, contents, wanted)
+    found = None if why else chosen if is_chosen else _by_way_of(insight, region, root)
+    if not why and not is_chosen:
+        why = _not_chosen(insight, found, rival)
+    known = found is not None and found.steps is not None
+    return RegionOption(
+        region=region,
+        chosen=is_chosen,
+        exists_in=p,
+        cost=min((min(nll(each), CAP_MICRONATS) for each in p.values()), default=0),
+        contents=contents,
+        plan=tuple(title(s.instance.called) for s in found.steps or ()) if found is not None else (),
+        probability=prob(found.cost) if found is not None and known else None,
+        rejected="" if is_chosen else why,
+    )
+
+
+def _searched(found: Found) -> set[str]:
+    return {name for step in found.steps or () for name in mentioned(step.instance.called)}
+
+
+def _by_way_of(insight: Insight, region: str, root: Subgoal) -> Found | None:
+    """Return the cheapest plan that speaks of no other region, however unlikely it is."""
+    others = set(insight.belief.regions()) - {region}
+
+    def elsewhere(instance: Instance, _level: int) -> bool:
+        called: Term = instance.called
+        return bool(mentioned(called) & others)
+
+    return planned(insight, root, CAP_MICRONATS, elsewhere)
+
+
+def _not_searchable(p: dict[str, float], contents: float, wanted: dict[str, int]) -> str:
+    """Return why no rule offers a search of a region; empty if one does, as @searchable has it."""
+    if max(p.values(), default=0.0) < IMPLAUSIBLE:
+        likeliest = max(p.values(), default=0.0)
+        return f"implausible: p = {likeliest:.2g} that such a thing is in it, below {IMPLAUSIBLE:g}"
+    bound = max((prob(c) for c in wanted.values()), default=1.0)
+    if contents >= bound:
+        return f"what it holds is known, with p = {contents:.2f}"
+    return ""
+
+
+def _not_chosen(insight: Insight, found: Found | None, rival: Rival) -> str:
+    if found is None:
+        return "the trace does not tell: a question to the geometry was not asked in the run"
+    if found.steps is None:
+        return "no plan that searches it" if found.exhausted else "no plan within limits.expansions that searches it"
+    limits = insight.given.limits
+    if prob(found.cost) < limits.min_plan_probability:
+        least = f"below {limits.min_plan_probability:g} (limits.min_plan_probability)"
+        return f"its best plan has p = {prob(found.cost):.2g}, {least}"
+    return beaten(insight, found, rival)

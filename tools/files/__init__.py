@@ -1,0 +1,1 @@
+"""The verbs about trace files: `check`, `recover`, `diff` and `trace bless`. May import: loop, recorded, words."""

@@ -1,0 +1,120 @@
+"""Record golden traces anew: run the scenario, compare with the old one, put decisions and manifest in place."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.recorded.divergences import divergence_lines
+from skolem.tools.words.live import Silence
+from skolem.tools.words.trace_account import account
+from skolem.traces.compare.diff import by_step, compare, tolerance_for
+from skolem.traces.compare.golden import (
+    MAX_BYTES,
+    Golden,
+    golden_path,
+    is_text,
+    keep_decisions,
+    read_manifest,
+    write_manifest,
+)
+from skolem.traces.errors import Fault, InputError, TraceError
+from skolem.traces.file.check import check
+from skolem.traces.file.reader import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class Blessed:
+    """What became of one golden trace.
+
+    Attributes:
+        name: Its name.
+        golden: What the manifest says now.
+        old: What it said before; None of a new one.
+        bytes: Size of the file.
+        changed: Whether file and manifest were written.
+        changes: How the new one differs from the old one, as lines; none if there is no old one.
+    """
+
+    name: str
+    golden: Golden
+    old: Golden | None
+    bytes: int
+    changed: bool
+    changes: tuple[str, ...] = ()
+
+
+def bless(folder: Path, name: str, recipe: Golden, reason: str) -> Blessed:
+    """Run a golden trace's scenario, and keep its decisions and their description; an equal one stays as it is.
+
+    Args:
+        folder: Where golden traces and their manifest lie.
+        name: Of the trace.
+        recipe: Says what is run and why; what it says of the result is replaced.
+        reason: Why the trace may change.
+
+    Raises:
+        InputError: With every fault of the scenario, or if the manifest cannot hold the reason, or the trace would be
+            too large.
+    """
+    if not is_text(reason):
+        raise InputError([Fault("--reason", 0, 0, "is not text that a file can hold: it has bytes that are not UTF-8")])
+    goldens = read_manifest(folder)
+    with TemporaryDirectory(dir=folder) as work:
+        full, lean = Path(work) / "full.mcap", Path(work) / "lean.mcap"
+        setup = prepare(Path(recipe.scenario), recipe.overrides, recipe.seed, recipe.world)
+        run(setup, full, Silence(), Stopwatch(), Outcome())
+        keep_decisions(full, lean)
+        made = _described(recipe, lean, reason)
+        path, old, size = golden_path(folder, name), goldens.get(name), lean.stat().st_size
+        if size >= MAX_BYTES:
+            said = f"would take {size} bytes, allowed are {MAX_BYTES}; choose a shorter run"
+            raise InputError([Fault(str(path), 0, 0, said)])
+        if old is not None and _alike(old, made) and _up_to_date(path):
+            return Blessed(name, old, old, path.stat().st_size, changed=False)
+        changes = tuple(_difference(path, lean)) if path.exists() else ()
+        lean.replace(path)
+    write_manifest(folder, goldens | {name: made})
+    return Blessed(name, made, old, size, changed=True, changes=changes)
+
+
+def _described(recipe: Golden, trace: Path, reason: str) -> Golden:
+    """Return the manifest's description of a trace, once it is found sound."""
+    checked = check(trace)
+    if checked.flaw is not None:
+        raise TraceError(f"{trace}: {checked.flaw}")
+    found = account(Trace(trace))
+    assert found.end is not None, "a sound trace has an end"
+    return recipe.model_copy(
+        update={
+            "reason": reason,
+            "decision_hash": checked.decision_hash,
+            "status": found.end.status,
+            "steps": found.steps,
+            "operators": tuple(sorted(found.planned)),
+            "causes": tuple(sorted(found.causes)),
+        }
+    )
+
+
+def _alike(old: Golden, made: Golden) -> bool:
+    return old == made.model_copy(update={"reason": old.reason})
+
+
+def _up_to_date(path: Path) -> bool:
+    """Return whether a trace is sound and has the schemas of this version."""
+    found = check(path)
+    return found.sound and not found.remarks
+
+
+def _difference(old: Path, new: Path) -> Iterator[str]:
+    """Yield how two traces differ: where they part, and how often each field differs."""
+    try:
+        groups = by_step(Trace(old).messages())
+        comparison = compare(groups, by_step(Trace(new).messages()), tolerance_for("equal machine"))
+    except TraceError as error:
+        yield f"the old one cannot be read: {error}"
+        return
+    yield from divergence_lines(comparison) or ["no message differs, but the schemas or the manifest do"]

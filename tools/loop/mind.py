@@ -1,0 +1,77 @@
+"""The robot's mind: its belief, its reasoner and the geometry between them, the same in a run and in a replay.
+
+Whoever has a mind feeds it what was told, done and observed; whatever it thinks goes through `emit`, in one order.
+"""
+
+from collections.abc import Callable
+
+from skolem.estimation.belief import Belief
+from skolem.reasoner.agent import Agent, Turn
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.protocols import Geometry
+from skolem.reasoner.rulebook.book import Rulebook
+from skolem.tools.loop.recorded_geometry import RecordedGeometry
+from skolem.tools.loop.stopwatch import ESTIMATION, REASONING, Stopwatch
+from skolem.traces.messages import Action, ActionResult, Limits, Memory, Message, Observation, Prior
+
+Emit = Callable[[str, Message], None]  # (topic, message)
+
+
+class Mind:
+    """Believes and decides; a function of what it is given, without any input beside."""
+
+    def __init__(
+        self,
+        goal: Goal,
+        rulebook: Rulebook,
+        told: Prior,
+        limits: Limits,
+        geometry: Geometry,
+        emit: Emit,
+        watch: Stopwatch,
+    ) -> None:
+        """Begin with what the robot is told.
+
+        Args:
+            goal: What the world should be like.
+            rulebook: The rules and the words.
+            told: The initial belief.
+            limits: Counts after which the robot gives up.
+            geometry: Answers geometric questions about the belief it is given before each decision.
+            emit: Takes every message of the mind, of the topics /belief, /memory, /geometry, /denotation, /plan,
+                /decision and /action.
+            watch: Measures estimation and reasoning.
+        """
+        self._emit, self._watch = emit, watch
+        with watch.part(ESTIMATION):
+            self._belief = Belief(told)
+        self._geometry = RecordedGeometry(geometry, emit, watch)
+        with watch.part(REASONING):
+            self._agent = Agent(goal, rulebook, self._belief, self._geometry, limits)
+
+    def decide(self, step: int) -> Turn:
+        """Return the next action or the end of the run, and emit everything thought meanwhile."""
+        with self._watch.part(ESTIMATION):
+            snapshot = self._belief.snapshot(step)
+        self._emit("/belief", snapshot)
+        self._emit("/memory", self._agent.memory(step))
+        self._geometry.sync(snapshot)
+        with self._watch.part(REASONING):
+            turn = self._agent.decide(step)
+        self._emit("/denotation", turn.denotation)
+        for plan in turn.plans:
+            self._emit("/plan", plan)
+        for decision in turn.decisions:
+            self._emit("/decision", decision)
+        if turn.action is not None:
+            self._emit("/action", turn.action)
+        return turn
+
+    def update(self, action: Action, result: ActionResult, observation: Observation) -> None:
+        """Take in an executed action, what the joints said about it, and what the sensors saw after it."""
+        with self._watch.part(ESTIMATION):
+            self._belief.update(action, result, observation)
+
+    def recall(self, memory: Memory) -> None:
+        """Remember what a recorded mind did at the same decision, instead of what this one does."""
+        self._agent.recall(memory)

@@ -1,0 +1,58 @@
+"""The geometry between the reasoner and its planner: every question is recorded with its answer, and timed."""
+
+from collections.abc import Callable
+from typing import Literal
+
+from skolem.reasoner.protocols import Activity, Geometry
+from skolem.tools.loop.stopwatch import MOTION_PLANNING, Stopwatch
+from skolem.traces import messages
+from skolem.traces.messages import Command
+
+Asked = Literal["ready", "approach", "blockers"]
+
+
+def question(kind: Asked, activity: Activity) -> str:
+    """Return a question as the trace writes it."""
+    return f"{kind} {activity}"
+
+
+class RecordedGeometry:
+    """Passes geometric questions on, and records each with its answer."""
+
+    def __init__(self, geometry: Geometry, write: Callable[[str, messages.Message], None], watch: Stopwatch) -> None:
+        """Stand between the reasoner and `geometry`."""
+        self._geometry, self._write, self._watch = geometry, write, watch
+        self._step, self._version = 0, 0
+
+    def sync(self, belief: messages.Belief) -> None:
+        """Take over the believed world."""
+        self._step, self._version = belief.step, belief.version
+        with self._watch.part(MOTION_PLANNING):
+            self._geometry.sync(belief)
+
+    def ready(self, activity: Activity) -> Command | None:
+        """Return the command that does `activity` from here, or None."""
+        with self._watch.part(MOTION_PLANNING):
+            answer = self._geometry.ready(activity)
+        self._log(question("ready", activity), answer)
+        return answer
+
+    def approach(self, activity: Activity) -> messages.MoveBase | None:
+        """Return a drive to where `activity` can be done, or None."""
+        with self._watch.part(MOTION_PLANNING):
+            answer = self._geometry.approach(activity)
+        self._log(question("approach", activity), answer)
+        return answer
+
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        """Return what stands in the way of `activity`."""
+        with self._watch.part(MOTION_PLANNING):
+            found = self._geometry.blockers(activity)
+        self._log(question("blockers", activity), blockers=found)
+        return found
+
+    def _log(self, query: str, answer: Command | None = None, blockers: tuple[str, ...] | None = None) -> None:
+        asked = messages.Geometry(
+            step=self._step, query=query, belief_version=self._version, answer=answer, blockers=blockers
+        )
+        self._write("/geometry", asked)

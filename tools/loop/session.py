@@ -1,0 +1,409 @@
+"""One run: the parts put together, and the loop observe, update, decide, act, every message recorded.
+
+The simulator alone knows the scenario's true world; belief and reasoner get the prior, observations and results.
+"""
+
+import hashlib
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Protocol
+
+from google.protobuf.message import Message as Protobuf
+
+from skolem.estimation.config import EstimatorConfig
+from skolem.reasoner.agent import Turn
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.language.parser import goal_faults, parse_goal
+from skolem.reasoner.lint.wrong_rules import refuse_wrong
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.relations import misused, too_sure
+from skolem.reasoner.rulebook.book import Rulebook
+from skolem.sim.scenario.scenario import (
+    Document,
+    Scenario,
+    believed_noise,
+    check,
+    load_document,
+    moves_before,
+    prior,
+    true_bodies,
+)
+from skolem.tools.loop.mind import Mind
+from skolem.tools.loop.planners import WorldKind, planner_of
+from skolem.tools.loop.source import SOURCE_SHA256
+from skolem.tools.loop.stopwatch import ESTIMATION, MOTION_PLANNING, REASONING, Stopwatch
+from skolem.tools.loop.verdict import verdict
+from skolem.traces import messages
+from skolem.traces.file.environment import environment
+from skolem.traces.file.made_of import RULES, SCENARIO
+from skolem.traces.file.writer import TraceWriter
+from skolem.traces.messages import Action, ActionResult, Observation, Pose4, RobotState, RunEnd, TrueState
+
+LOADING, SENSING, PHYSICS = "loading", "rendering_and_detection", "physics"
+RECORDING = "recording"
+PARTS = (SENSING, ESTIMATION, REASONING, MOTION_PLANNING, PHYSICS, RECORDING, LOADING)
+DROPPED = frozenset({"preimage_lost", "refused"})  # causes for which plans are given up
+
+
+class World(Protocol):
+    """What actions are executed in."""
+
+    @property
+    def tick(self) -> int:
+        """Simulated time so far, in ticks."""
+        ...
+
+    def robot_state(self) -> RobotState:
+        """Return what the encoders say."""
+        ...
+
+    def state(self, step: int) -> TrueState:
+        """Return the truth."""
+        ...
+
+    def disturb(self, object_id: str, world_T_object: Pose4) -> None:
+        """Move an object from outside."""
+        ...
+
+    def execute(self, action: Action) -> tuple[ActionResult, Observation]:
+        """Carry out an action."""
+        ...
+
+    def close(self) -> None:
+        """Free what the world holds."""
+        ...
+
+
+class Watcher(Protocol):
+    """Somebody who wants to see a run while it goes on."""
+
+    def believed(self, belief: messages.Belief, tick: int) -> None:
+        """Take notice of the belief before a decision."""
+        ...
+
+    def decided(self, turn: Turn) -> None:
+        """Take notice of plans and of the next action."""
+        ...
+
+    def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
+        """Take notice of what became of it."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """Everything a run is made of, read and found without fault.
+
+    Attributes:
+        document: The scenario file.
+        scenario: The same, checked.
+        rulebook: The rules, with the scenario's own.
+        goal: The scenario's goal.
+        seed: Of every draw.
+        world: Which simulator.
+        images: Whether camera images are recorded.
+        profile: Whether wall times are recorded.
+    """
+
+    document: Document
+    scenario: Scenario
+    rulebook: Rulebook
+    goal: Goal
+    seed: int
+    world: WorldKind
+    images: bool
+    profile: bool
+
+    @property
+    def types(self) -> dict[str, messages.ObjectType]:
+        """Every object type the rules know."""
+        return dict(self.rulebook.vocabulary.types)
+
+
+@dataclass(slots=True)
+class Outcome:
+    """How a run went.
+
+    Attributes:
+        end: Why it ended; None while it goes on, and if it was cut short.
+        verdict: Whether the goal is true in the world; None if the run was cut short.
+        actions: Executed actions.
+        replans: How often plans were dropped because what they needed was no longer believed, or found impossible.
+        clingo_calls: Calls of the rules.
+        tick: Simulated time in ticks.
+        seconds: Wall time by part.
+        total_s: Wall time in all.
+        content_hash: Of everything recorded but wall times; empty while no trace is written.
+    """
+
+    end: RunEnd | None = None
+    verdict: messages.Verdict | None = None
+    actions: int = 0
+    replans: int = 0
+    clingo_calls: int = 0
+    tick: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+    total_s: float = 0.0
+    content_hash: str = ""
+
+
+def prepare(
+    path: Path,
+    overrides: Sequence[str] = (),
+    seed: int | None = None,
+    world: WorldKind = "pybullet",
+    images: bool = False,
+    profile: bool = False,
+) -> Setup:
+    """Read a scenario and its rules.
+
+    Raises:
+        InputError: With every fault found.
+    """
+    return compose(load_document(path, overrides), seed, world, images, profile)
+
+
+def compose(
+    document: Document,
+    seed: int | None = None,
+    world: WorldKind = "pybullet",
+    images: bool = False,
+    profile: bool = False,
+    rulebook: Rulebook | None = None,
+) -> Setup:
+    """Read a scenario's rules and check it.
+
+    Args:
+        document: The scenario file.
+        seed: Instead of the scenario's.
+        world: Which simulator.
+        images: Whether camera images are recorded.
+        profile: Whether wall times are recorded.
+        rulebook: The rules, if they were read already; None for those that ship and the scenario's own.
+
+    Raises:
+        InputError: With every fault found.
+    """
+    if rulebook is None:
+        rulebook = rules_of(document)
+    scenario, goal = understood(document, rulebook)
+    return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, world, images, profile)
+
+
+def rules_of(document: Document) -> Rulebook:
+    """Return the rules that ship together with the scenario's own, if a run can follow them.
+
+    Raises:
+        InputError: With every fault in them.
+    """
+    own = [rules for rules in document.rules if rules.is_file()]
+    rulebook = Rulebook.load(Queries, own)
+    if own:  # of those that ship a test says that they are right
+        refuse_wrong(rulebook)
+    return rulebook
+
+
+def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
+    """Return the scenario of a document and its goal, read with some rules.
+
+    Raises:
+        InputError: With every fault found.
+    """
+    words = rulebook.vocabulary.words()
+
+    def faults(goal: str, names: Collection[str]) -> list[tuple[int, str]]:
+        found = goal_faults(goal, words, names)
+        if found:
+            return found
+        read = parse_goal(goal, words, names)
+        return [
+            (0, wrong) for wrong in misused(read, rulebook.vocabulary) + too_sure(read, EstimatorConfig().most_sure)
+        ]
+
+    scenario = check(document, rulebook.vocabulary.types, faults)
+    return scenario, parse_goal(scenario.goal, words, [item.id for item in scenario.belief.objects])
+
+
+def run(
+    setup: Setup,
+    path: Path,
+    watcher: Watcher,
+    watch: Stopwatch,
+    outcome: Outcome,
+    partial: IO[bytes] | None = None,
+) -> None:
+    """Run the robot until it stops by itself, and write the trace to `path`; `outcome` is filled in as it goes.
+
+    Whatever is raised meanwhile, the trace is closed with the reason before it goes on. `partial` is its partial file,
+    if somebody has begun it already.
+    """
+    attachments = {SCENARIO: setup.document.effective_text().encode()}
+    attachments |= {f"{RULES}{name}": content for name, content in setup.rulebook.files.items()}
+    metadata = {"scenario": setup.scenario.name, "seed": str(setup.seed), "world": setup.world}
+    env = environment() | {"source": SOURCE_SHA256}
+    writer = TraceWriter(path, attachments=attachments, run=metadata, env=env, profile=setup.profile, file=partial)
+    try:
+        with writer:
+            try:
+                _Run(setup, writer, watcher, watch, outcome).to_the_end()
+            finally:
+                outcome.seconds, outcome.total_s = watch.seconds(), watch.total()
+    finally:
+        outcome.content_hash = writer.content_hash if writer.written else ""
+
+
+def run_start(setup: Setup) -> messages.RunStart:
+    """Return what a run is made of, as its trace begins."""
+    return messages.RunStart(
+        scenario=setup.scenario.name,
+        scenario_sha256=hashlib.sha256(setup.document.effective_text().encode()).hexdigest(),
+        rules_sha256=setup.rulebook.sha256,
+        robot_sha256=_robot_sha256(setup.world),
+        world=setup.world,
+        seed=setup.seed,
+        goal=setup.scenario.goal,
+        limits=setup.scenario.limits,
+    )
+
+
+class _Run:
+    """The loop, with all that takes part in it."""
+
+    def __init__(self, setup: Setup, writer: TraceWriter, watcher: Watcher, watch: Stopwatch, outcome: Outcome) -> None:
+        self._setup, self._watcher, self._watch, self._outcome = setup, watcher, watch, outcome
+        self._writer = writer
+        self._tick: Callable[[], int] = lambda: 0
+
+    def to_the_end(self) -> None:
+        """Start, loop, judge."""
+        self._write("/run/start", run_start(self._setup))
+        with self._watch.part(LOADING):
+            world = self._world()
+        try:
+            self._tick = lambda: world.tick
+            self._loop(world)
+        finally:
+            world.close()
+
+    def _loop(self, world: World) -> None:
+        setup = self._setup
+        told = prior(setup.scenario, setup.types, setup.seed, world.robot_state())
+        self._write("/prior", told)
+        self._write("/truth/state", world.state(0))
+        with self._watch.part(LOADING):
+            planner = planner_of(setup.world, setup.types, setup.seed)
+        with closing(planner):
+            mind = Mind(setup.goal, setup.rulebook, told, setup.scenario.limits, planner, self._emit, self._watch)
+            step = 0
+            while (action := (turn := self._decide(mind, step)).action) is not None:
+                self._act(world, mind, action)
+                step += 1
+        assert turn.end is not None, "a turn has an action or an end"
+        self._judge(world, step, turn.end)
+
+    def _decide(self, mind: Mind, step: int) -> Turn:
+        """Let the robot take one decision, and take notice of it."""
+        turn = mind.decide(step)
+        self._outcome.replans += sum(plan.cause in DROPPED for plan in turn.plans)
+        self._outcome.clingo_calls += sum(decision.clingo_calls for decision in turn.decisions)
+        self._writer.candidate(turn.closest.probability, turn.closest.anchor)
+        self._watcher.decided(turn)
+        return turn
+
+    def _emit(self, topic: str, message: messages.Message) -> None:
+        """Record what the mind thinks, and show the belief before the decision is taken."""
+        self._write(topic, message)
+        if isinstance(message, messages.Belief):
+            self._watcher.believed(message, self._tick())
+
+    def _act(self, world: World, mind: Mind, action: Action) -> None:
+        """Execute the action, record what came of it, and take it into the belief."""
+        step = action.step
+        for name, world_T_object in moves_before(self._setup.scenario, self._setup.types, step):
+            world.disturb(name, world_T_object)
+        with self._watch.part(SENSING if action.command.kind == "look_at" else PHYSICS):
+            result, observation = world.execute(action)
+        self._outcome.actions, self._outcome.tick = step + 1, world.tick
+        self._write("/action/result", result)
+        self._write("/obs", observation)
+        self._write("/truth/state", world.state(step + 1))
+        self._watcher.acted(action, result, observation)
+        mind.update(action, result, observation)
+        self._close_step(step)
+
+    def _judge(self, world: World, step: int, end: RunEnd) -> None:
+        """Compare what the robot believes with the truth, and record both."""
+        setup = self._setup
+        self._outcome.verdict = verdict(setup.goal, setup.rulebook, world.state(step), setup.types)
+        self._write("/truth/verdict", self._outcome.verdict)
+        self._close_step(step)
+        self._write("/run/end", end)
+        self._outcome.end = end
+
+    def _close_step(self, step: int) -> None:
+        spent = self._watch.seconds() | {"total": self._watch.total()}
+        milliseconds = {part: round(1e3 * seconds, 3) for part, seconds in spent.items()}
+        self._write("/perf", messages.Perf(step=step, milliseconds=milliseconds))
+        with self._watch.part(RECORDING):
+            self._writer.close_step(step, self._tick())
+
+    def _write(self, topic: str, message: messages.Message | Protobuf) -> None:
+        with self._watch.part(RECORDING):
+            self._writer.write(topic, message, self._tick())
+
+    def _world(self) -> World:
+        """Build the true world; only here is it decided which."""
+        setup, types = self._setup, self._setup.types
+        bodies, robot = true_bodies(setup.scenario, types), setup.scenario.robot
+        base, noise = (robot.base.x, robot.base.y, robot.base.theta), setup.scenario.true_noise.message()
+        told = believed_noise(setup.scenario)
+        if setup.world == "symbolic":
+            from skolem.sim.symbolic.world import SymbolicWorld
+
+            return SymbolicWorld(types, bodies, base, robot.torso_m, noise, setup.seed, told)
+        from skolem.sim.physics.pybullet import PyBulletWorld
+
+        return PyBulletWorld(types, bodies, base, robot.torso_m, noise, setup.seed, self._record, setup.images, told)
+
+    def _record(self, topic: str, message: Protobuf) -> None:
+        self._write(topic, message)
+
+
+def _robot_sha256(world: WorldKind) -> str:
+    """Return the hash of the robot model's files; the symbolic robot has none."""
+    if world == "symbolic":
+        return ""
+    from skolem.sim.robot.assets import robot_sha256
+
+    return robot_sha256()
+
+
+def summary(
+    setup: Setup, outcome: Outcome, status: messages.RunStatus, reason: str, trace: Path
+) -> Mapping[str, object]:
+    """Return the fields of `--json`, in the order in which they are printed."""
+    end, judged = outcome.end, outcome.verdict
+    return {
+        "scenario": setup.scenario.name,
+        "seed": setup.seed,
+        "world": setup.world,
+        "status": status,
+        "believed": status == "goal_achieved",
+        "true": None if judged is None else judged.true,
+        "reason": reason,
+        "anchor": None if end is None else end.anchor,
+        "witness": None if judged is None else judged.witness,
+        "goal_probability": None if end is None else end.goal_probability,
+        "conjuncts": {} if end is None else end.conjuncts,
+        "regions": {} if end is None else end.regions,
+        "actions": outcome.actions,
+        "replans": outcome.replans,
+        "clingo_calls": outcome.clingo_calls,
+        "simulated_s": round(outcome.tick / messages.TICKS_PER_SECOND, 3),
+        "wall_s": {part: round(outcome.seconds.get(part, 0.0), 3) for part in PARTS}
+        | {"total": round(outcome.total_s, 3)},
+        "trace": str(trace),
+        "content_hash": outcome.content_hash,
+    }

@@ -1,0 +1,81 @@
+"""Geometric answers out of a trace: the same questions about the same beliefs, without a planner."""
+
+from collections.abc import Callable, Iterable
+
+from skolem.reasoner.protocols import Activity
+from skolem.tools.loop.planners import Planner
+from skolem.tools.loop.recorded_geometry import Asked, question
+from skolem.traces.errors import SkolemError
+from skolem.traces.messages import Belief, Command, Geometry, MoveBase
+
+
+class NotRecordedError(SkolemError):
+    """A geometric question to which the trace has no answer, and nothing else has."""
+
+
+class RecalledGeometry:
+    """Answers as the trace does; where it is silent, as a planner does, if there is one.
+
+    Attributes:
+        unanswered: The question for which `NotRecordedError` was raised; None as long as it was not.
+        planned: How many questions the planner answered.
+    """
+
+    def __init__(self, planner: Callable[[], Planner] | None = None, recall: bool = True) -> None:
+        """Know no answers yet.
+
+        Args:
+            planner: Makes the planner at the first question that the trace does not answer; None: such a question
+                raises `NotRecordedError`.
+            recall: Whether recorded answers are used at all.
+        """
+        self._make, self._recall = planner, recall
+        self.unanswered: str | None = None
+        self.planned = 0
+        self._planner: Planner | None = None
+        self._synced = False
+        self._belief: Belief | None = None
+        self._known: dict[str, Geometry] = {}
+
+    def take(self, answers: Iterable[Geometry]) -> None:
+        """Take over the recorded answers about the next belief."""
+        self._known = {answer.query: answer for answer in answers} if self._recall else {}
+
+    def sync(self, belief: Belief) -> None:
+        """Take over the believed world."""
+        self._belief, self._synced = belief, False
+
+    def ready(self, activity: Activity) -> Command | None:
+        """Return the command that does `activity` from here, or None."""
+        known = self._known.get(question("ready", activity))
+        return self._ask("ready", activity).ready(activity) if known is None else known.answer
+
+    def approach(self, activity: Activity) -> MoveBase | None:
+        """Return a drive to where `activity` can be done, or None."""
+        known = self._known.get(question("approach", activity))
+        if known is None:
+            return self._ask("approach", activity).approach(activity)
+        return known.answer if isinstance(known.answer, MoveBase) else None
+
+    def blockers(self, activity: Activity) -> tuple[str, ...]:
+        """Return what stands in the way of `activity`."""
+        known = self._known.get(question("blockers", activity))
+        return self._ask("blockers", activity).blockers(activity) if known is None else known.blockers or ()
+
+    def close(self) -> None:
+        """Close the planner, if one was made."""
+        if self._planner is not None:
+            self._planner.close()
+
+    def _ask(self, kind: Asked, activity: Activity) -> Planner:
+        """Return the planner, which knows the present belief."""
+        if self._make is None:
+            self.unanswered = question(kind, activity)
+            raise NotRecordedError(f"the trace has no answer to: {self.unanswered}")
+        self._planner = self._planner or self._make()
+        if not self._synced:
+            assert self._belief is not None, "sync comes first"
+            self._planner.sync(self._belief)
+            self._synced = True
+        self.planned += 1
+        return self._planner

@@ -1,0 +1,181 @@
+"""A recorded run, thought again: what was sensed goes in, everything that was thought must come out again."""
+
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+
+from skolem.reasoner.language.parser import parse_goal
+from skolem.tools.loop.planners import planner_of
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.recorded.geometry import RecalledGeometry
+from skolem.tools.recorded.rethinking import Given, Rethinking, Thought
+from skolem.tools.recorded.rules import Rulebooks
+from skolem.tools.recorded.run import CUT_SHORT, RecordedRun, RecordedStep
+from skolem.traces.compare.diff import Comparison, Tolerance
+from skolem.traces.errors import Fault, InputError, told
+from skolem.traces.file.reader import Recorded
+from skolem.traces.messages import TICKS_PER_SECOND, Action, RunEnd
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How a run is replayed.
+
+    Attributes:
+        tolerance: How far floats may lie apart.
+        from_step: The first decision that is taken again.
+        re_anchor: Whether the reasoner recalls the recorded memory before every decision, so that each step that
+            diverges by itself is found.
+        plan_motions: Whether geometric questions are answered by the planner anew, instead of by the trace.
+        keep_all: Whether every divergence is kept.
+    """
+
+    tolerance: Tolerance
+    from_step: int = 0
+    re_anchor: bool = False
+    plan_motions: bool = False
+    keep_all: bool = False
+
+
+@dataclass(slots=True)
+class Replayed:
+    """How a replay went.
+
+    Attributes:
+        comparison: Of what was thought then and now.
+        decisions: How many were taken again.
+        simulated_s: Simulated time of the run up to the last of them.
+        seconds: Wall time of the replay.
+        recorded_s: Wall time of the run; None if it was not recorded.
+        ended: Whether the trace has the end of the run.
+        stopped: Why the replay ended before the trace did; empty if it did not.
+        other_end: That the run ended in an error, and thinking it again does not; empty if there is nothing to say.
+    """
+
+    comparison: Comparison
+    decisions: int = 0
+    simulated_s: float = 0.0
+    seconds: float = 0.0
+    recorded_s: float | None = None
+    ended: bool = False
+    stopped: str = ""
+    other_end: str = ""
+
+    @property
+    def identical(self) -> bool:
+        """Whether everything was thought again as it is recorded."""
+        return self.comparison.identical
+
+
+def replay(run: RecordedRun, options: Options, watch: Stopwatch, rulebooks: Rulebooks | None = None) -> Replayed:
+    """Think a run again, and return how what comes out compares with what is recorded.
+
+    Args:
+        run: The record.
+        options: What to replay of it, and how to compare.
+        watch: Measures it.
+        rulebooks: Of other runs that were replayed before; runs with the same rules share them.
+
+    Raises:
+        InputError: If rules or goal are wrong, there is no such decision, or its memory is not recorded.
+    """
+    replayed = Replayed(Comparison(options.tolerance, options.keep_all or options.re_anchor))
+    begun = watch.total()
+    with closing(_geometry(run, options)) as geometry:
+        mind = Rethinking(run, given_in(run, rulebooks), geometry, watch)
+        for recorded in run.steps():
+            if recorded.step >= options.from_step:
+                _rethink(mind, recorded, options, replayed)
+            elif recorded.action is not None:
+                mind.go_on(recorded.action, recorded)
+            if replayed.stopped:
+                break
+    if not replayed.decisions:
+        raise InputError([Fault("--from-step", 0, 0, f"{run.path} has no decision {options.from_step}")])
+    replayed.seconds, replayed.recorded_s = watch.total() - begun, run.wall_seconds()
+    return replayed
+
+
+def given_in(run: RecordedRun, rulebooks: Rulebooks | None = None, rules: Mapping[str, bytes] | None = None) -> Given:
+    """Return what the mind of a run was made of, from its trace alone, or with other rule files.
+
+    Raises:
+        InputError: If the rules or the goal are not sound for this version of the product.
+    """
+    rulebook = (rulebooks or Rulebooks()).of(run.attachments, rules)
+    names = [item.anchor for item in run.told.objects]
+    goal = parse_goal(run.start.goal, rulebook.vocabulary.words(), names)
+    told = run.told
+    if rules:
+        told = told.model_copy(update={"types": dict(rulebook.vocabulary.types)})
+    return Given(goal, rulebook, told, run.start.limits)
+
+
+def same_act(a: Action, b: Action) -> bool:
+    """Return whether two actions do the same, be it on another path or elsewhere."""
+    return (a.op, a.command.kind) == (b.op, b.command.kind)
+
+
+def other_end(recorded: RunEnd | None, failure: str) -> str:
+    """Return in words that a run ended in an error, and doing it again does not; empty if there is nothing to say.
+
+    Args:
+        recorded: How it ended.
+        failure: The error in which it ends now; empty if in none.
+    """
+    if recorded is None or recorded.status != "error" or failure == recorded.reason:
+        return ""
+    now = f", but another: {failure}" if failure else ""
+    return f"the recorded error ({recorded.reason}) does not come again{now}"
+
+
+def _geometry(run: RecordedRun, options: Options) -> RecalledGeometry:
+    if not options.plan_motions:
+        return RecalledGeometry()
+    return RecalledGeometry(lambda: planner_of(run.start.world, run.told.types, run.start.seed), recall=False)
+
+
+def _rethink(mind: Rethinking, recorded: RecordedStep, options: Options, replayed: Replayed) -> None:
+    """Take one decision again, compare, and take in what came of it; or note why that cannot be."""
+    if options.re_anchor or recorded.step == options.from_step > 0:
+        mind.recall(recorded)
+    thought = mind.decide(recorded)
+    replayed.comparison.add(recorded.step, *_comparable(recorded, thought))
+    replayed.decisions += 1
+    replayed.simulated_s = recorded.messages[-1].tick / TICKS_PER_SECOND
+    replayed.ended = recorded.end is not None
+    failure = _failure(thought)
+    if recorded.action is not None and recorded.met is not None:
+        if options.re_anchor:
+            failure = _go_on(mind, recorded.action, recorded)
+        elif thought.action is not None and same_act(thought.action, recorded.action):
+            failure = _go_on(mind, thought.action, recorded)
+        else:
+            replayed.stopped = f"what follows in the trace came of {recorded.action.op}, not of {thought.outcome}"
+    replayed.other_end = other_end(recorded.end, failure)
+
+
+def _failure(thought: Thought) -> str:
+    """Return the error in which a decision ended: none if it only asked further than the record goes."""
+    asks = bool(thought.messages) and thought.messages[-1].topic == "/geometry"
+    return "" if asks else thought.failure
+
+
+def _go_on(mind: Rethinking, action: Action, recorded: RecordedStep) -> str:
+    """Take in what came of an action; return why that failed, where the run failed too: empty if it did not."""
+    try:
+        mind.go_on(action, recorded)
+    except Exception as error:
+        if recorded.end is None or recorded.end.status != "error":
+            raise
+        return told(error)
+    return ""
+
+
+def _comparable(recorded: RecordedStep, thought: Thought) -> tuple[list[Recorded], list[Recorded]]:
+    """Return what was recorded and what was thought; the record of a run that was cut short ends anywhere."""
+    end = recorded.end
+    if not recorded.last or (end is not None and end.status not in CUT_SHORT):
+        return recorded.messages, thought.messages
+    expected = [message for message in recorded.messages if message.topic != "/run/end"]
+    return expected, thought.messages[: len(expected)]

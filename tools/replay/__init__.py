@@ -1,0 +1,1 @@
+"""The verbs `replay` and `reproduce`. May import: loop, recorded, words."""

@@ -1,0 +1,70 @@
+"""The verb `replay`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+
+@app.command()
+def replay(
+    traces: Annotated[list[Path], typer.Argument(help="Traces of runs.")],
+    from_step: Annotated[
+        int, typer.Option(min=0, help="First decision to take again; what the robot remembered then is recalled.")
+    ] = 0,
+    re_anchor: Annotated[
+        bool, typer.Option("--re-anchor", help="Recall before every decision: lists each that diverges by itself.")
+    ] = False,
+    plan_motions: Annotated[
+        bool,
+        typer.Option("--plan-motions", help="Answer geometric questions by the planner anew, not by the trace."),
+    ] = False,
+    rules: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="What if: rule files that replace those of the same name in the trace, or are added."
+        ),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="A.B=VALUE",
+            help="What if: another goal=, threshold= (the p of every B in the goal), limits.*, belief.*, priors.*, "
+            "model.* or noise.*; repeatable.",
+        ),
+    ] = None,
+    atol: Annotated[
+        float | None, typer.Option(min=0.0, help="Absolute tolerance of floats, instead of the table's.")
+    ] = None,
+    rtol: Annotated[
+        float | None, typer.Option(min=0.0, help="Relative tolerance of floats, instead of the table's.")
+    ] = None,
+    all_: Annotated[bool, typer.Option("--all", help="Print every divergence, not the first alone.")] = False,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes that share the traces; default: as many as pay.")
+    ] = None,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object per trace on standard output, and only that.")
+    ] = False,
+) -> None:
+    """Think recorded runs again without a simulator, and compare; or see what other rules or goals would decide.
+
+    Exit status: 0 identical, or no decision changes; 1 a run diverges, or a decision changes; 2 bad input; 3 a trace
+    cannot be read; 4 internal error.
+    """
+    from skolem.tools.replay import reports as replay_reports
+
+    wanted = replay_reports.Wanted(
+        from_step=from_step,
+        re_anchor=re_anchor,
+        plan_motions=plan_motions,
+        atol=atol,
+        rtol=rtol,
+        keep_all=all_,
+        rules=rules,
+        overrides=tuple(set_ or ()),
+    )
+    raise typer.Exit(replay_reports.execute(traces, wanted, workers, json))

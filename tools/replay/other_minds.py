@@ -1,0 +1,109 @@
+"""The mind of a recorded run, made of other things: rules, goal, thresholds, limits, what it is told."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+from skolem.reasoner.language.expressions import Believed, Goal
+from skolem.reasoner.rulebook.book import Rulebook
+from skolem.sim.scenario.scenario import Document, prior, read_document
+from skolem.tools.loop.session import understood
+from skolem.tools.recorded.replaying import given_in
+from skolem.tools.recorded.rethinking import Given
+from skolem.tools.recorded.rules import Rulebooks
+from skolem.tools.recorded.run import RecordedRun
+from skolem.traces.errors import Fault, InputError, TraceError
+from skolem.traces.file.made_of import SCENARIO
+
+THRESHOLD: Final = "threshold"
+NOT_TOLD: Final = ("goal", "limits")  # keys of a scenario that are of the mind, but not of what it is told
+TOLD: Final = ("belief", "priors", "noise", "model")  # keys that are of what it is told
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """What is to be otherwise.
+
+    Attributes:
+        rules: File name to content, of rule files that are taken instead or beside.
+        overrides: `a.b=value` of the scenario, without the threshold.
+        threshold: The probability that every B(phi, p) of the goal asks for; None: as it says.
+    """
+
+    rules: Mapping[str, bytes] = field(default_factory=dict)
+    overrides: tuple[str, ...] = ()
+    threshold: float | None = None
+
+    def __bool__(self) -> bool:
+        """Return whether anything is to be otherwise."""
+        return bool(self.rules or self.overrides or self.threshold is not None)
+
+
+def changes_of(rules: Mapping[str, bytes], flags: Sequence[str]) -> Changes:
+    """Return the changes that `--set` flags ask for, beside those of rules.
+
+    Raises:
+        InputError: If a flag is about the world, which is as it was recorded, or no sound threshold.
+    """
+    faults = []
+    overrides, threshold = [], None
+    for flag in flags:
+        key, _, value = flag.partition("=")
+        if key == THRESHOLD:
+            threshold = _probability(value)
+            if threshold is None:
+                faults.append(Fault(f"--set {flag}", 0, 0, "expected a probability between 0 and 1, both excluded"))
+        elif key.partition(".")[0] not in (*NOT_TOLD, *TOLD):
+            known = ", ".join((THRESHOLD, *NOT_TOLD, *TOLD))
+            message = f"what was recorded cannot change: expected one of {known}; `skolem run --set` changes the world"
+            faults.append(Fault(f"--set {flag}", 0, 0, message))
+        else:
+            overrides.append(flag)
+    if faults:
+        raise InputError(faults)
+    return Changes(rules, tuple(overrides), threshold)
+
+
+def given_with(run: RecordedRun, changes: Changes, rulebooks: Rulebooks) -> Given:
+    """Return what a mind would be made of with the changes.
+
+    Raises:
+        InputError: With every fault of the changed rules or scenario.
+        TraceError: If the trace does not hold its scenario.
+    """
+    if changes.overrides:
+        given = _given_by_scenario(run, changes, rulebooks.of(run.attachments, changes.rules))
+    else:
+        given = given_in(run, rulebooks, changes.rules)
+    return given if changes.threshold is None else replace(given, goal=_at(changes.threshold, given.goal))
+
+
+def _given_by_scenario(run: RecordedRun, changes: Changes, rulebook: Rulebook) -> Given:
+    """Return what the changed scenario gives; what the robot is told stays as recorded unless that is what changes."""
+    scenario, goal = understood(_document(run, changes.overrides), rulebook)
+    told = run.told
+    if any(flag.partition("=")[0].partition(".")[0] in TOLD for flag in changes.overrides):
+        told = prior(scenario, rulebook.vocabulary.types, run.start.seed, run.told.robot)
+    elif changes.rules:
+        told = told.model_copy(update={"types": dict(rulebook.vocabulary.types)})
+    return Given(goal, rulebook, told, scenario.limits)
+
+
+def _document(run: RecordedRun, overrides: Sequence[str]) -> Document:
+    if SCENARIO not in run.attachments:
+        raise TraceError(f"{run.path}: holds no {SCENARIO}, so nothing of it can be set")
+    return read_document(SCENARIO, run.attachments[SCENARIO].decode(errors="replace"), overrides)
+
+
+def _at(threshold: float, goal: Goal) -> Goal:
+    """Return the goal with another threshold in every B(phi, p)."""
+    conjuncts = (replace(each, p=threshold) if isinstance(each, Believed) else each for each in goal.conjuncts)
+    return replace(goal, conjuncts=tuple(conjuncts))
+
+
+def _probability(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if 0.0 < value < 1.0 else None

@@ -1,0 +1,79 @@
+"""A recorded run, run again in the simulator from the scenario, rules and seed that are attached to its trace."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from skolem.sim.scenario.scenario import read_document
+from skolem.tools.loop.session import Outcome, Setup, Watcher, run, understood
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.recorded.replaying import other_end
+from skolem.tools.recorded.rules import rulebook_of
+from skolem.tools.recorded.run import CUT_SHORT, check_made_of
+from skolem.traces.compare.diff import Comparison, Tolerance, by_step
+from skolem.traces.errors import TraceError
+from skolem.traces.file.made_of import SCENARIO
+from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.messages import CLASS_OF, PERF, RunEnd, RunStart
+
+COMPARED = tuple(topic for topic, kind in CLASS_OF.items() if kind != PERF)
+
+
+def setup_in(trace: Trace) -> Setup:
+    """Return what a recorded run was made of.
+
+    Raises:
+        InputError: If scenario, rules or goal are not sound for this version of the product.
+        TraceError: If the trace does not hold its scenario and rules, or does not say how it was run.
+    """
+    start = next(trace.of(RunStart), None)
+    if start is None or SCENARIO not in trace.attachments:
+        raise TraceError(f"{trace.path}: nothing to run: no /run/start, or no {SCENARIO} attached")
+    check_made_of(trace, start)
+    document = read_document(SCENARIO, trace.attachments[SCENARIO].decode(errors="replace"))
+    rulebook = rulebook_of(trace.attachments)
+    scenario, goal = understood(document, rulebook)
+    images = next(trace.messages("/camera/rgb"), None) is not None
+    return Setup(document, scenario, rulebook, goal, start.seed, start.world, images, profile=False)
+
+
+def reproduce(
+    trace: Trace, setup: Setup, out: Path, watcher: Watcher, tolerance: Tolerance, keep_all: bool = False
+) -> Comparison:
+    """Run again, and return how the new trace at `out` compares with the old one.
+
+    A run that failed or was cut short is compared as far as its record goes; one that failed may fail again.
+    """
+    end = next(trace.of(RunEnd), None)
+    try:
+        run(setup, out, watcher, Stopwatch(), Outcome())
+    except Exception:
+        if end is None or end.status != "error":
+            raise
+    comparison = Comparison(tolerance, keep_all)
+    cut_short = end is None or end.status in CUT_SHORT
+    for number, (expected, got) in enumerate(_pairs(trace, Trace(out), cut_short)):
+        comparison.add(number - 1, expected, got)
+    return comparison
+
+
+def end_of_again(old: Trace, new: Trace) -> str:
+    """Return in words that the old run ended in an error, and the new one did not; empty if there is nothing to say."""
+    then, now = (next(trace.of(RunEnd), None) for trace in (old, new))
+    return other_end(then, now.reason if now is not None and now.status == "error" else "")
+
+
+def _pairs(old: Trace, new: Trace, cut_short: bool) -> Iterator[tuple[Sequence[Recorded], Sequence[Recorded]]]:
+    """Yield the messages of both runs, step by step, and nothing of the new one after a record that was cut short."""
+    ours, theirs = by_step(old.messages(*COMPARED)), by_step(new.messages(*COMPARED))
+    group = next(ours)
+    while True:
+        following = next(ours, None)
+        if following is None and cut_short:
+            group = [message for message in group if message.topic != "/run/end"]
+            yield group, next(theirs, [])[: len(group)]
+            return
+        yield group, next(theirs, [])
+        if following is None:
+            break
+        group = following
+    yield from (([], more) for more in theirs)

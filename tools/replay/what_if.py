@@ -1,0 +1,183 @@
+"""What a robot with other rules, another goal or other thresholds would have decided in a recorded run.
+
+The changed mind lives through the record: it meets what is recorded, and after every action it is taken to have done
+what the recorded robot did. So each decision is answered for the history as it was. From the first decision to do
+something else on, the record says nothing.
+"""
+
+import math
+from contextlib import closing
+from dataclasses import dataclass, field
+from itertools import zip_longest
+from typing import Final, Literal
+
+from skolem.reasoner.terms import MICRO
+from skolem.tools.loop.planners import planner_of
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.recorded.geometry import RecalledGeometry
+from skolem.tools.recorded.replaying import same_act
+from skolem.tools.recorded.rethinking import Given, Rethinking, Thought, end_text
+from skolem.tools.recorded.run import CUT_SHORT, RecordedRun, RecordedStep
+from skolem.traces.messages import Command, Decision, LookAt, MoveBase, Pick, Place, Plan, RunEnd, Weigh
+
+Kind = Literal["act", "end", "motion", "plan", "search"]
+ELSEWHERE: Final = 0.05  # metres and radians: a motion that ends farther off shows the robot other things
+
+
+@dataclass(frozen=True, slots=True)
+class Altered:
+    """One decision that changes.
+
+    Attributes:
+        step: Its number.
+        kind: `act`, something else is done, or the same elsewhere; `end`, the run ends otherwise; `motion`, the same is
+            done on another path to nearly the same place; `plan`, the same is done for another plan; `search`, for the
+            same plan with other candidates or costs.
+        was: What was decided.
+        now: What would be.
+    """
+
+    step: int
+    kind: Kind
+    was: str
+    now: str
+
+    def __str__(self) -> str:
+        return f"step {self.step}, {self.kind}: was {self.was}, would be {self.now}"
+
+
+@dataclass(slots=True)
+class Foreseen:
+    """How a changed mind decides.
+
+    Attributes:
+        altered: The decisions that change; of each the gravest change.
+        decisions: How many were taken.
+        recorded: How many there are.
+        stopped: Why the rest of the record does not apply; empty if it does.
+        planned: Geometric questions that the record does not answer, and the planner did.
+    """
+
+    altered: list[Altered] = field(default_factory=list)
+    decisions: int = 0
+    recorded: int = 0
+    stopped: str = ""
+    planned: int = 0
+
+
+def foresee(run: RecordedRun, given: Given, watch: Stopwatch) -> Foreseen:
+    """Return which decisions of a run change for a mind made of other things.
+
+    Recorded geometric answers are used as long as the robot is told the same, for then it believes the same; other
+    questions are answered by the planner of the run's world.
+    """
+    foreseen = Foreseen()
+    start, told = run.start, given.told
+    recalled = RecalledGeometry(lambda: planner_of(start.world, told.types, start.seed), recall=told == run.told)
+    with closing(recalled) as geometry:
+        mind = Rethinking(run, given, geometry, watch)
+        for recorded in run.steps():
+            foreseen.recorded += 1
+            if not foreseen.stopped:
+                _decide(mind, recorded, foreseen)
+        foreseen.planned = geometry.planned
+    return foreseen
+
+
+def _decide(mind: Rethinking, recorded: RecordedStep, foreseen: Foreseen) -> None:
+    """Take one decision with the changed mind, and go on as the recorded one did if that is what it would do."""
+    if recorded.action is None and (recorded.end is None or recorded.end.status in CUT_SHORT):
+        foreseen.stopped = f"step {recorded.step}: the record ends before the decision"
+        return
+    thought = mind.decide(recorded)
+    foreseen.decisions += 1
+    change = _change(recorded, thought)
+    if change is not None:
+        foreseen.altered.append(change)
+        if change.kind in ("act", "end"):
+            foreseen.stopped = f"step {change.step}: what follows in the trace came of {change.was}"
+    if recorded.action is not None and not foreseen.stopped:
+        mind.go_on(recorded.action, recorded)
+
+
+def _change(recorded: RecordedStep, thought: Thought) -> Altered | None:
+    """Return the gravest change of a decision; None if it is as it was."""
+    step, was, now = recorded.step, recorded.action, thought.action
+    turn = thought.turn
+    if turn is None or was is None or now is None:
+        if turn is None or was is not None or now is not None or _ended(recorded.end) != _ended(turn.end):
+            return Altered(step, "end" if was is None else "act", _outcome(recorded), thought.outcome)
+    elif not same_act(was, now):
+        return Altered(step, "act", was.op, now.op)
+    elif not ends_alike(was.command, now.command):
+        return Altered(step, "act", f"{was.op}{_to(was.command)}", f"{now.op}{_to(now.command)}, elsewhere")
+    elif was.command != now.command:
+        return Altered(step, "motion", was.op, f"{now.op} on another path")
+    for one, other in zip_longest(map(_planned, recorded.all_of(Plan)), map(_planned, turn.plans), fillvalue=()):
+        if one != other:
+            return Altered(step, "plan", *_parting(one, other))
+    searches = map(_searched, recorded.all_of(Decision)), map(_searched, turn.decisions)
+    for one, other in zip_longest(*searches, fillvalue=()):
+        if one != other:
+            return Altered(step, "search", *_parting(one, other))
+    return None
+
+
+def ends_alike(one: Command, other: Command) -> bool:
+    """Return whether two motions of a kind end so near each other that what is seen after one was seen after both."""
+    hands = {command.hand for command in (one, other) if isinstance(command, Pick | Place | Weigh)}
+    ends, others = _ending(one), _ending(other)
+    if len(hands) > 1 or len(ends) != len(others):
+        return False
+    apart = [a - b for a, b in zip(ends, others, strict=True)]
+    metres = 2 if isinstance(one, MoveBase) else 0  # so many come first; the others are angles
+    apart[metres:] = [math.remainder(turn, math.tau) for turn in apart[metres:]]
+    return all(abs(each) <= ELSEWHERE for each in apart)
+
+
+def _ending(command: Command) -> tuple[float, ...]:
+    """Return where a motion ends: base pose in the frame of the start, head angles, or the arm at the object."""
+    match command:
+        case MoveBase(start_T_waypoint=path):
+            return path[-1] if path else (0.0, 0.0, 0.0)
+        case LookAt(pan=pan, tilt=tilt):
+            return (pan, tilt)
+        case Pick(reach=path) | Place(lower=path):
+            return path[-1] if path else ()
+    return ()
+
+
+def _to(command: Command) -> str:
+    """Return where a motion ends in words; nothing of an arm, whose angles tell a reader nothing."""
+    match command:
+        case MoveBase():
+            return " by ({:.2f} m, {:.2f} m, {:.2f} rad)".format(*_ending(command))
+        case LookAt():
+            return " at ({:.2f}, {:.2f}) rad".format(*_ending(command))
+    return ""
+
+
+def _ended(end: RunEnd | None) -> tuple[str, str | None] | None:
+    return None if end is None else (end.status, end.anchor)
+
+
+def _outcome(recorded: RecordedStep) -> str:
+    return recorded.action.op if recorded.action is not None else end_text(recorded.end)
+
+
+def _planned(plan: Plan) -> tuple[str, ...]:
+    """Return a change of the plan stack: its cause, and of each layer the chosen step and those after it."""
+    layers = zip(plan.layers, plan.current, strict=True)
+    return (f"[{plan.cause}]", *(" > ".join(step.op for step in layer[chosen:]) for layer, chosen in layers))
+
+
+def _searched(decision: Decision) -> tuple[str, ...]:
+    """Return a search: what it found, and every candidate with its cost in nats or why it was rejected."""
+    found = f"{' > '.join(decision.plan) or 'no plan'} {decision.cost / MICRO:.6f}"
+    return (found, *(f"{c.op} {c.rejected or f'{c.cost / MICRO:.6f}'}" for c in decision.candidates))
+
+
+def _parting(one: tuple[str, ...], other: tuple[str, ...]) -> tuple[str, str]:
+    """Return the first parts that differ."""
+    pairs = zip_longest(one, other, fillvalue="nothing")
+    return next((a, b) for a, b in pairs if a != b)

@@ -1,0 +1,69 @@
+"""What-if replays from the command line: what changes in a run, in words."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.recorded.rules import Overlay, Rulebooks, files_in
+from skolem.tools.recorded.run import RecordedRun
+from skolem.tools.replay.other_minds import changes_of, given_with
+from skolem.tools.replay.reports import Report
+from skolem.tools.replay.what_if import Foreseen, foresee
+
+SHOWN = 200  # characters of a line
+
+
+class WhatIf:
+    """The same changes, for one run after the other."""
+
+    def __init__(self, folder: Path | None, overrides: Sequence[str]) -> None:
+        """Take over what is to be otherwise.
+
+        Args:
+            folder: Holds rule files that are taken instead of those of the same name, or beside; None: no others.
+            overrides: `a.b=value` of the scenario, goal or threshold.
+
+        Raises:
+            InputError: If there are no rule files in the folder, or an override is about what was recorded.
+        """
+        self._changes = changes_of(files_in(folder) if folder else {}, overrides)
+        self._rulebooks = Rulebooks(folder)
+
+    def report(self, run: RecordedRun) -> Report:
+        """Return what would change in a run.
+
+        Raises:
+            InputError: If the changed rules, goal or scenario are not sound.
+        """
+        foreseen = foresee(run, given_with(run, self._changes, self._rulebooks), Stopwatch())
+        rows = [asdict(altered) for altered in foreseen.altered]
+        overlay = Overlay.of(run.attachments, self._changes.rules) if self._changes.rules else None
+        fields = {
+            "rules": None if overlay is None else asdict(overlay),
+            "decisions": foreseen.decisions,
+            "recorded": foreseen.recorded,
+            "altered": rows,
+            "stopped": foreseen.stopped,
+            "planned_questions": foreseen.planned,
+        }
+        lines = [*_lines(foreseen), *([] if overlay is None else [str(overlay)])]
+        return Report("changed" if rows else "same", lines, fields)
+
+
+def _lines(foreseen: Foreseen) -> list[str]:
+    if not foreseen.altered:
+        return [f"same: {foreseen.decisions} decisions"]
+    kinds = Counter(altered.kind for altered in foreseen.altered)
+    counts = ", ".join(f"{count} in {kind}" for kind, count in kinds.items())
+    lines = [f"CHANGED: {len(foreseen.altered)} of {foreseen.decisions} decisions ({counts})"]
+    lines += [_short(str(altered)) for altered in foreseen.altered]
+    if foreseen.stopped:
+        rest = foreseen.recorded - foreseen.decisions
+        lines.append(f"stopped: {foreseen.stopped}; {rest} more decisions were not taken")
+    return lines
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."

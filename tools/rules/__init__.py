@@ -1,0 +1,1 @@
+"""The verbs `rules` and `scenario`. May import: loop, recorded, words."""

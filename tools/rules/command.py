@@ -1,0 +1,156 @@
+"""The verb `rules`: check rule files, print the reference of the rules."""
+
+import json as json_format
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from skolem.tools.words.faults import fault_rows
+from skolem.traces.errors import Fault, InputError
+
+if TYPE_CHECKING:
+    from skolem.reasoner.rulebook.book import Rulebook
+
+app = typer.Typer(
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    help="Check rule files, or print the reference of rules, words and queries.",
+)
+DOUBTFUL, WRONG = 1, 2
+Paths = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        help="Rule files of your own, or folders of them; a folder with a file of every name that ships is a set of "
+        "rules by itself. Default: the rules that ship."
+    ),
+]
+
+
+@app.command()
+def check(
+    paths: Paths = None,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object per complaint, and only that.")] = False,
+) -> None:
+    """Report every fault and every doubtful thing in rule files, each with its place and a suggestion.
+
+    Exit status: 0 nothing to complain of, 1 warnings only, 2 a fault: such rules are refused.
+    """
+    complaints, certain = _complaints(paths or [])
+    _report(complaints, certain, json)
+    severities = {complaint.severity for complaint in complaints}
+    raise typer.Exit(WRONG if "error" in severities else DOUBTFUL if "warning" in severities else 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Complaint:
+    """Something to say of rule files: `error`, `warning`, or `allowed` with the reason that stands in the file."""
+
+    fault: Fault
+    severity: str
+    code: str
+    allowed: str = ""
+
+
+def _complaints(paths: Sequence[Path]) -> tuple[list[Complaint], bool]:
+    """Return everything to say of rule files, by place, and whether that is all."""
+    from skolem.reasoner.lint.linting import findings
+    from skolem.reasoner.lint.wrong_rules import NOT_A_FLUENT
+    from skolem.reasoner.planning.queries import Queries
+    from skolem.reasoner.rulebook.book import rule_files
+    from skolem.reasoner.rulebook.examination import examine
+
+    try:
+        sources, unread = rule_files(*_meant(paths))
+    except InputError as error:
+        return [Complaint(fault, "error", "refused") for fault in error.faults], False
+    examined = examine(sources, Queries, complete=not unread)
+    found = [Complaint(fault, "error", "refused") for fault in (*unread, *examined.faults)]
+    found += [Complaint(fault, "warning", "words") for fault in examined.warnings]
+    for finding in findings(examined):
+        severity = "error" if finding.code == NOT_A_FLUENT else "allowed" if finding.allowed else "warning"
+        found.append(Complaint(finding.fault, severity, finding.code, finding.allowed))
+    return sorted(found, key=lambda complaint: complaint.fault), not unread and not examined.doubt
+
+
+@app.command()
+def doc(
+    paths: Paths = None,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Where to write it. Default: printed.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the same as one JSON object.")] = False,
+) -> None:
+    """Write the reference of the rules: operators, inference rules, words, exclusions, queries; made from the files.
+
+    Exit status: 0 written, 2 the rules have a fault.
+    """
+    from skolem.reasoner.lint.docs import reference, sections
+
+    rulebook = _load(paths or [])
+    text = json_format.dumps(sections(rulebook)) + "\n" if json else reference(rulebook)
+    if out is None:
+        print(text, end="")
+        return
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError([Fault(str(out), 0, 0, f"cannot write here: {error.strerror}")]) from error
+
+
+def _load(paths: Sequence[Path]) -> "Rulebook":
+    """Return the rules that are meant.
+
+    Raises:
+        InputError: With every fault in them.
+    """
+    from skolem.reasoner.planning.queries import Queries
+    from skolem.reasoner.rulebook.book import Rulebook
+
+    return Rulebook.load(Queries, *_meant(paths))
+
+
+def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:
+    """Return a user's own rule files, and the folder that stands for the rules that ship; None for those.
+
+    Raises:
+        InputError: If a folder has no rule file.
+    """
+    from skolem.reasoner.rulebook.book import RULE_FILES
+
+    own: list[Path] = []
+    whole: Path | None = None
+    for path in paths:
+        inside = sorted(path.glob("*.lp")) if path.is_dir() else [path]
+        if not inside:
+            raise InputError([Fault(str(path), 0, 0, "a folder without a rule file: expected names that end in .lp")])
+        if {f"{name}.lp" for name in RULE_FILES} <= {file.name for file in inside}:
+            whole, inside = path, [file for file in inside if file.stem not in RULE_FILES]
+        own += inside
+    return own, whole
+
+
+def _report(complaints: Sequence[Complaint], certain: bool, json: bool) -> None:
+    """Print complaints; what is allowed is counted, and listed for machines only."""
+    if json:
+        faults = fault_rows(InputError([complaint.fault for complaint in complaints]))
+        for row, found in zip(faults, complaints, strict=True):
+            extra = {"severity": found.severity, "code": found.code, "allowed": found.allowed, "complete": certain}
+            print(json_format.dumps(row | extra))
+        return
+    for found in complaints:
+        if found.severity != "allowed":
+            hint = f" [{found.code}]" if found.severity == "warning" else ""
+            message = f"{found.severity}: {found.fault.message.removeprefix('warning: ')}{hint}"
+            print(replace(found.fault, message=message))
+    counts = Counter(complaint.severity for complaint in complaints)
+    said = [f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in ("error", "warning") if counts[s]]
+    allowed = (
+        f"; {counts['allowed']} allowed for a reason that stands in the file (--json)" if counts["allowed"] else ""
+    )
+    print((", ".join(said) or "nothing to complain of") + allowed)
+    if not certain:
+        print("more may follow once these are mended")

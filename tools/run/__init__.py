@@ -1,0 +1,1 @@
+"""The verb `run`. May import: loop, recorded, words."""

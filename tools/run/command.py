@@ -1,0 +1,87 @@
+"""The verb `run`."""
+
+import json as json_format
+import sys
+from contextlib import nullcontext
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.faults import fault_rows
+from skolem.traces.errors import Fault, InputError
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+
+class WorldChoice(StrEnum):
+    """Which simulator to run in."""
+
+    pybullet = "pybullet"
+    symbolic = "symbolic"
+
+
+@app.command()
+def run(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file.")],
+    seed: Annotated[int | None, typer.Option(min=0, help="Instead of the scenario's seed.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--out",
+            help="Where to write the trace; an existing file is replaced. Default: out/NAME-SEED.mcap below the "
+            "current folder, with a number added if that exists.",
+        ),
+    ] = None,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
+    ] = False,
+    images: Annotated[bool, typer.Option("--images", help="Record the camera's images too.")] = False,
+    world: Annotated[
+        WorldChoice, typer.Option(help="Physics and rendering, or the same actions and noise without them.")
+    ] = WorldChoice.pybullet,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="A.B=VALUE", help="Change a value of the scenario; repeatable.")
+    ] = None,
+    max_steps: Annotated[int | None, typer.Option(min=1, help="Instead of the scenario's limits.steps.")] = None,
+    optimal: Annotated[
+        bool, typer.Option("--optimal", help="Only plans than which none is likelier (limits.optimal): takes longer.")
+    ] = False,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="Record wall times too; they differ from run to run.")
+    ] = False,
+    view: Annotated[bool, typer.Option("--view", help="Show the run in a window while it goes on.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")] = False,
+) -> None:
+    """Run a scenario and record it as a trace.
+
+    Exit status: 0 the robot believes its goal achieved, 1 it does not, 2 bad input, 3 the trace
+    cannot be written to its end, 4 internal error, 130 interrupted.
+    """
+    watch = Stopwatch()
+    with watch.part("loading"):
+        from skolem.tools.loop import session
+        from skolem.tools.run import running
+        from skolem.tools.run.watching import watched
+    try:
+        overrides = [*(set_ or []), *([] if max_steps is None else [f"limits.steps={max_steps}"])]
+        overrides += ["limits.optimal=true"] if optimal else []
+        if images and world is WorldChoice.symbolic:
+            raise InputError([Fault("--images", 0, 0, "the symbolic world has no camera; leave out one of the two")])
+        with watch.part(session.LOADING):
+            setup = session.prepare(scenario, overrides, seed, world.value, images, profile)
+        for warning in setup.rulebook.warnings:
+            print(warning, file=sys.stderr)
+        trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")
+        with watched(trace) if view else nullcontext() as partial:
+            status = running.execute(setup, trace, watch, json, quiet, partial)
+        raise typer.Exit(status)
+    except InputError as error:
+        if json:
+            print(
+                json_format.dumps({"status": "bad_input", "reason": str(error.faults[0]), "faults": fault_rows(error)})
+            )
+        raise

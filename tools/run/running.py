@@ -1,0 +1,111 @@
+"""A run from the command line: watched, timed, summed up, and its exit status."""
+
+import json as json_format
+import traceback
+from pathlib import Path
+from typing import IO
+
+from skolem.tools.loop import session
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.live import watcher_for
+from skolem.traces.errors import InputError, SkolemError, UnwrittenError
+from skolem.traces.file.writer import partial_of
+from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
+
+EXIT: dict[RunStatus, int] = {
+    "goal_achieved": 0,
+    "goal_unachievable": 1,
+    "limit_reached": 1,
+    "error": 4,
+    "interrupted": 130,
+}
+
+
+def execute(
+    setup: session.Setup,
+    trace: Path,
+    watch: Stopwatch,
+    json: bool,
+    quiet: bool,
+    partial: IO[bytes] | None = None,
+) -> int:
+    """Run, print what came of it, and return the exit status; `partial` as in `session.run`.
+
+    Raises:
+        InputError: If the trace cannot be begun.
+        UnwrittenError: If it cannot be written to its end; with `json` the object is printed all the same.
+    """
+    outcome = session.Outcome()
+    status: RunStatus = "error"
+    reason, unwritten = "", None
+    with watcher_for(setup, quiet) as watcher:
+        try:
+            session.run(setup, trace, watcher, watch, outcome, partial)
+            assert outcome.end is not None, "a run that raises nothing has an end"
+            status, reason = outcome.end.status, outcome.end.reason
+        except KeyboardInterrupt:
+            status, reason = "interrupted", "interrupted"
+        except InputError:
+            raise
+        except UnwrittenError as error:
+            reason, unwritten = str(error), error
+        except Exception as error:
+            reason = f"{type(error).__name__}: {error}"
+            if not isinstance(error, SkolemError):
+                traceback.print_exception(error)
+    if json:
+        summary = session.summary(setup, outcome, status, reason, trace)
+        print(json_format.dumps({**summary, "trace": summary["trace"] if outcome.content_hash else None}))
+    elif unwritten is None:
+        print(verdict_text(setup, outcome, status, reason, trace))
+    if unwritten is not None:
+        raise unwritten
+    return EXIT[status]
+
+
+def verdict_text(setup: session.Setup, outcome: session.Outcome, status: RunStatus, reason: str, trace: Path) -> str:
+    """Return what the robot believes, what is true, and where the trace lies, if one was written."""
+    counts = (
+        f"{outcome.actions} actions, {outcome.replans} replans, "
+        f"{outcome.tick / TICKS_PER_SECOND:.1f} s simulated, {outcome.total_s:.1f} s wall"
+    )
+    lines = []
+    if outcome.end is None:
+        lines.append(f"{'interrupted' if status == 'interrupted' else f'internal error: {reason}'}; {counts}")
+    else:
+        about = f"{outcome.end.anchor or 'no object'}, p = {outcome.end.goal_probability:.3f}"
+        said = "goal believed achieved" if status == "goal_achieved" else f"goal not achieved: {reason}"
+        best = about if status == "goal_achieved" else f"best candidate {about}"
+        lines.append(f"{said}; {best}; {counts}")
+        if status != "goal_achieved":
+            lines += explanation(outcome.end)
+    if outcome.verdict is not None:
+        witness = f" ({outcome.verdict.witness})" if outcome.verdict.witness else ""
+        lines.append(f"true in the simulator: {'yes' + witness if outcome.verdict.true else 'no'}")
+    if outcome.content_hash:
+        lines.append(f"trace: {trace} (content {outcome.content_hash[:12]})")
+    return "\n".join(lines)
+
+
+def explanation(end: RunEnd) -> list[str]:
+    """Return what speaks against the best candidate, and what has been searched."""
+    lines = []
+    if end.conjuncts:
+        shares = ", ".join(f"{word} {p:.3f}" for word, p in sorted(end.conjuncts.items(), key=lambda item: item[1]))
+        lines.append(f"  of {end.anchor} is believed: {shares}")
+    if end.regions:
+        seen = ", ".join(f"{region} {100 * part:.0f} %" for region, part in end.regions.items())
+        lines.append(f"  seen of the regions: {seen}")
+    return lines
+
+
+def unused(path: Path) -> Path:
+    """Return the path, or the first of NAME.2.mcap, NAME.3.mcap, .. that is not there, written or being written.
+
+    What a killed run left may be all that there is of it, and another run may be under way.
+    """
+    number, free = 2, path
+    while free.exists() or partial_of(free).exists():
+        free = path.with_name(f"{path.stem}.{number}{path.suffix}")
+        number += 1
+    return free

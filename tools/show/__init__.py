@@ -1,0 +1,1 @@
+"""The verbs `show` and `info`. May import: loop, recorded, words."""

@@ -1,0 +1,98 @@
+"""The verb `show`."""
+
+import json as json_format
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from skolem.tools.words.plan_tree import tree_lines
+from skolem.traces.errors import Fault, InputError
+from skolem.traces.file.reader import Trace
+from skolem.traces.messages import Action, Meaning, Plan, RunEnd, RunStart
+from skolem.traces.printable import printable
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+
+@app.command()
+def show(
+    trace: Annotated[Path, typer.Argument(help="Trace of a run.")],
+    step: Annotated[
+        int | None,
+        typer.Option(min=0, help="Show one decision: belief table, plan stack, candidates, and what came of it."),
+    ] = None,
+    object_: Annotated[
+        str | None, typer.Option("--object", metavar="ANCHOR", help="Show one object's beliefs over the run.")
+    ] = None,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
+    ] = False,
+) -> None:
+    """Print how a run was planned: every plan, what refined it, what was done and what was dropped.
+
+    With --step one decision, with --object one object over the whole run.
+
+    Exit status: 0 shown, 2 there is no such step or object, 3 the trace cannot be read.
+    """
+    if step is not None and object_ is not None:
+        raise InputError([Fault("--object", 0, 0, "cannot be combined with --step; leave out one of the two")])
+    run = Trace(trace)
+    if step is not None:
+        _show_step(run, step, json)
+    elif object_ is not None:
+        _show_object(run, object_, json)
+    else:
+        _show_plans(run, json)
+
+
+def _show_plans(run: Trace, json: bool) -> None:
+    lines = tree_lines(run.of(Plan), run.of(Action))
+    start, end = next(iter(run.of(RunStart)), None), next(iter(run.of(RunEnd)), None)
+    goal = "unknown: the record of it is lost" if start is None else start.goal
+    if json:
+        ended = None if end is None else end.model_dump(mode="json")
+        print(json_format.dumps({"trace": str(run.path), "goal": start and start.goal, "plans": lines, "end": ended}))
+        return
+    last = [] if end is None else [f"{end.status}: {end.reason}"]
+    _print([f"goal: {goal}", *lines, *last])
+
+
+def _show_step(run: Trace, step: int, json: bool) -> None:
+    from skolem.tools.show.step_text import moment, moment_fields, moment_lines
+
+    found, words = moment(run, step), _words(run)
+    if json:
+        print(json_format.dumps(moment_fields(found, words)))
+    else:
+        _print(moment_lines(found, words))
+
+
+def _show_object(run: Trace, anchor: str, json: bool) -> None:
+    from skolem.tools.show.step_text import HISTORY_COLUMNS, history
+    from skolem.tools.words.belief_table import table_lines
+
+    rows = history(run, anchor, _words(run))
+    if json:
+        steps = [dict(zip(HISTORY_COLUMNS, row, strict=True)) for row in rows]
+        print(json_format.dumps({"trace": str(run.path), "object": anchor, "history": steps}))
+    else:
+        _print(table_lines(HISTORY_COLUMNS, rows))
+
+
+def _words(run: Trace) -> Mapping[str, Meaning]:
+    """Return the run's words; without those that this version cannot read, colours are printed as numbers."""
+    from skolem.tools.show.step_text import words_of
+
+    try:
+        return words_of(run)
+    except InputError as error:
+        said = "\n".join(map(printable, str(error.faults[0]).splitlines()))
+        print(f"colours in numbers, as the run's own rules cannot be read: {said}", file=sys.stderr)
+        return {}
+
+
+def _print(lines: Iterable[str]) -> None:
+    print("\n".join(map(printable, lines)))

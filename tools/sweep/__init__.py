@@ -1,0 +1,1 @@
+"""The verb `sweep`: many runs, and their tables. May import: loop, recorded, words."""

@@ -1,0 +1,59 @@
+"""The verb `sweep`."""
+
+import json as json_format
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from skolem.tools.run.command import WorldChoice
+from skolem.tools.words.faults import fault_rows
+from skolem.traces.errors import Fault, InputError
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+
+@app.command()
+def sweep(
+    scenarios: Annotated[list[Path], typer.Argument(help="Scenario files.")],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for traces and tables.")],
+    seeds: Annotated[str, typer.Option(metavar="A-B", help="First and last seed.")] = "0-19",
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes of this machine, each doing one run at a time; 2.")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="tcp://HOST:PORT", help="Use the workers of this dask scheduler instead."),
+    ] = None,
+    world: Annotated[
+        WorldChoice, typer.Option(help="Physics and rendering, or the same actions and noise without them.")
+    ] = WorldChoice.pybullet,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="A.B=VALUE", help="Change a value of the scenarios; repeatable."),
+    ] = None,
+    write: Annotated[
+        Path | None,
+        typer.Option(
+            help="Markdown file to put each scenario's account into, once all runs are done; others in it stay."
+        ),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object per run, and only that.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress.")] = False,
+) -> None:
+    """Run scenarios for many seeds, several at a time, and write tables of how it went.
+
+    A run whose trace is in the folder already, made of the same scenario, rules, seed and program, is not done again.
+    Exit status: 0 every run believes its goal achieved, 1 some do not, 2 bad input, 130 interrupted.
+    """
+    from skolem.tools.sweep import sweeping
+
+    try:
+        if workers is not None and scheduler is not None:
+            raise InputError([Fault("--scheduler", 0, 0, "give --workers or --scheduler, not both")])
+        plan = sweeping.plan(scenarios, sweeping.seed_range(seeds), world.value, set_ or [])
+        raise typer.Exit(sweeping.execute(plan, out, workers or 2, scheduler, write, json, quiet))
+    except InputError as error:
+        if json:
+            print(json_format.dumps({"status": "bad_input", "faults": fault_rows(error)}))
+        raise

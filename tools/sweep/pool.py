@@ -1,0 +1,109 @@
+"""Many runs at a time on dask.distributed: processes of this machine, or the workers of a scheduler anywhere.
+
+A worker that dies takes along no finished run: traces are fetched as they come, and its runs are done by another.
+"""
+
+import logging
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import contextmanager
+from tempfile import TemporaryDirectory
+
+import dask
+from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+
+from skolem.tools.sweep import task as sweep_task
+from skolem.tools.sweep.rows import lost_row
+from skolem.tools.sweep.task import Finished, Task, WorkerRefusedError, run_on_worker
+from skolem.traces.errors import Fault, InputError, InternalError
+
+ATTEMPTS = 4  # workers that may die of a run before it is given up
+CONNECT_S = 10  # a scheduler that does not answer for so long is not there
+SETTINGS = {
+    "distributed.scheduler.allowed-failures": ATTEMPTS - 1,
+    "distributed.scheduler.worker-saturation": 1.0,  # a run that waits for its turn is not charged with a death
+    "distributed.comm.timeouts.connect": CONNECT_S,
+}
+
+
+@contextmanager
+def local_workers(count: int) -> Iterator[Client]:
+    """Start single-threaded worker processes, reachable from this machine alone, and stop them at the end."""
+    with (
+        dask.config.set(SETTINGS),
+        TemporaryDirectory(prefix="skolem-sweep-") as folder,
+        LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # of its state server; the default port is one only
+            preload=[sweep_task.__name__],
+            memory_limit=None,
+            local_directory=folder,
+            silence_logs=logging.ERROR,
+            env={"OPENBLAS_NUM_THREADS": "1"},
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
+@contextmanager
+def workers_of(scheduler: str) -> Iterator[Client]:
+    """Use the workers of a scheduler, now and later ones; they go on when this ends.
+
+    Raises:
+        InputError: If nobody answers, or there is no worker.
+    """
+    with dask.config.set(SETTINGS):
+        try:
+            client = Client(scheduler, timeout=CONNECT_S)
+        except (OSError, ValueError, TypeError) as error:
+            raise _refused(f"no scheduler answers at '{scheduler}': {error}") from None
+        with client:
+            try:
+                client.wait_for_workers(1, timeout=CONNECT_S)
+            except TimeoutError:
+                said = f"no worker has joined {scheduler}; start some: dask worker {scheduler} --nthreads 1"
+                raise _refused(said) from None
+            yield client
+
+
+def run_all(client: Client, tasks: Sequence[Task]) -> Generator[tuple[Task, Finished], None, None]:
+    """Yield every run when it is finished, in any order; what is not fetched when the iteration ends is called off.
+
+    Raises:
+        InputError: If a worker refuses.
+        InternalError: If the scheduler is lost.
+    """
+    futures = {client.submit(run_on_worker, task, pure=False): task for task in tasks}
+    try:
+        for future in as_completed(list(futures)):
+            task = futures.pop(future)
+            yield task, _finished(future, task)
+            future.release()
+    finally:
+        client.cancel(list(futures))
+
+
+def _finished(future: Future[Finished], task: Task) -> Finished:
+    status = future.status
+    if status == "finished":
+        finished: Finished = future.result()
+        return finished
+    if status != "error":
+        raise InternalError("the scheduler was lost; the finished runs are kept, the same command does the others")
+    error = future.exception()
+    if isinstance(error, WorkerRefusedError):
+        raise _refused(str(error))
+    reason = (
+        f"each of the {ATTEMPTS} workers that tried it died"
+        if isinstance(error, KilledWorker)
+        else f"{type(error).__name__}: {error}"
+    )
+    return Finished(lost_row(task.start, reason), b"")
+
+
+def _refused(said: str) -> InputError:
+    return InputError([Fault("--scheduler", 0, 0, said)])

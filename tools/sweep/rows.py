@@ -1,0 +1,194 @@
+"""What a table says of one run, read from its trace: a run just done and one done long ago give the same row."""
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from skolem.tools.loop.session import DROPPED, PARTS
+from skolem.traces.errors import TraceError
+from skolem.traces.file.reader import Trace
+from skolem.traces.messages import (
+    TICKS_PER_SECOND,
+    Action,
+    ActionResult,
+    Decision,
+    Perf,
+    Plan,
+    RunEnd,
+    RunStart,
+    RunStatus,
+    Verdict,
+)
+
+TIMES = (*PARTS, "total")
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One run. Every field but the last two is the same on every repetition.
+
+    Attributes:
+        scenario: The scenario's name.
+        seed: Of every draw.
+        world: Which simulator.
+        status: How the run ended.
+        believed: Whether the robot believes its goal achieved.
+        true: Whether the goal is true in the simulator; None if the run was cut short.
+        actions: Executed actions.
+        replans: How often plans were dropped.
+        clingo_calls: Calls of the rules.
+        simulated_s: Simulated time, seconds.
+        goal_probability: What the robot believes of its goal's best candidate.
+        anchor: That candidate.
+        conjuncts: What is believed of it: each property or fluent with its probability.
+        regions: How much of each region has been seen.
+        witness: A true object that makes the goal true.
+        sequence: The executed operators with their arguments.
+        reason: Why the run ended.
+        trace: Name of the trace; empty if there is none, because every worker that ran it died.
+        content_hash: Of everything in the trace but wall times.
+        size_bytes: Of the trace; with it the wall times are recorded.
+        seconds: Wall time by part, and `total`.
+    """
+
+    scenario: str
+    seed: int
+    world: str
+    status: RunStatus
+    believed: bool
+    true: bool | None
+    actions: int
+    replans: int
+    clingo_calls: int
+    simulated_s: float
+    goal_probability: float
+    anchor: str | None
+    conjuncts: tuple[str, ...]
+    regions: tuple[str, ...]
+    witness: str | None
+    sequence: tuple[str, ...]
+    reason: str
+    trace: str
+    content_hash: str
+    size_bytes: int
+    seconds: Mapping[str, float]
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the goal is believed and true."""
+        return self.believed and self.true is True
+
+    def facts(self) -> dict[str, object]:
+        """Return every field that is the same on every repetition, by name, in order."""
+        return {name: getattr(self, name) for name in FACTS}
+
+
+FACTS = tuple(field.name for field in fields(Row) if field.name not in ("size_bytes", "seconds"))
+
+
+def read_row(trace: Trace, name: str) -> Row:
+    """Return the row of a complete trace.
+
+    Args:
+        trace: The trace.
+        name: What the table calls it.
+
+    Raises:
+        TraceError: If the trace has no start or no end, or is not sound.
+    """
+    start, end = next(trace.of(RunStart), None), next(trace.of(RunEnd), None)
+    if start is None or end is None:
+        raise TraceError(f"{trace.path}: the run has no {'end' if start else 'start'}")
+    judged = next(trace.of(Verdict), None)
+    milliseconds = next(iter(reversed(list(trace.of(Perf)))), Perf(step=0, milliseconds={})).milliseconds
+    return Row(
+        scenario=start.scenario,
+        seed=start.seed,
+        world=start.world,
+        status=end.status,
+        believed=end.status == "goal_achieved",
+        true=None if judged is None else judged.true,
+        actions=sum(1 for _ in trace.of(ActionResult)),
+        replans=sum(plan.cause in DROPPED for plan in trace.of(Plan)),
+        clingo_calls=sum(decision.clingo_calls for decision in trace.of(Decision)),
+        simulated_s=round(next(trace.messages("/run/end")).tick / TICKS_PER_SECOND, 3),
+        goal_probability=end.goal_probability,
+        anchor=end.anchor,
+        conjuncts=_shares(end.conjuncts),
+        regions=_shares(end.regions),
+        witness=None if judged is None else judged.witness,
+        sequence=tuple(action.op for action in trace.of(Action)),
+        reason=end.reason,
+        trace=name,
+        content_hash=trace.content_hash,
+        size_bytes=trace.path.stat().st_size,
+        seconds={part: round(milliseconds.get(part, 0.0) / 1e3, 3) for part in TIMES},
+    )
+
+
+def _shares(probabilities: Mapping[str, float]) -> tuple[str, ...]:
+    return tuple(f"{name} {p:.2f}" for name, p in probabilities.items())
+
+
+def lost_row(start: RunStart, reason: str) -> Row:
+    """Return the row of a run that left no trace."""
+    return Row(
+        scenario=start.scenario,
+        seed=start.seed,
+        world=start.world,
+        status="error",
+        believed=False,
+        true=None,
+        actions=0,
+        replans=0,
+        clingo_calls=0,
+        simulated_s=0.0,
+        goal_probability=0.0,
+        anchor=None,
+        conjuncts=(),
+        regions=(),
+        witness=None,
+        sequence=(),
+        reason=reason,
+        trace="",
+        content_hash="",
+        size_bytes=0,
+        seconds=dict.fromkeys(TIMES, 0.0),
+    )
+
+
+def results_csv(rows: Iterable[Row]) -> str:
+    """Return what does not depend on how fast or in which order the runs were done."""
+    return _csv(FACTS, ([_cell(value) for value in row.facts().values()] for row in rows))
+
+
+def times_csv(rows: Iterable[Row]) -> str:
+    """Return the wall times, seconds."""
+    head = ("scenario", "seed", *TIMES)
+    return _csv(head, ([row.scenario, str(row.seed), *(f"{row.seconds[part]:.3f}" for part in TIMES)] for row in rows))
+
+
+def _csv(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(lines)
+    return stream.getvalue()
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, tuple):
+        return "; ".join(value)
+    return "" if value is None else str(value)
+
+
+def put(path: Path, data: bytes) -> None:
+    """Write a file so that it is whole or not there at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + ".partial")
+    partial.write_bytes(data)
+    partial.replace(path)

@@ -1,0 +1,1 @@
+"""The verb `view`: a run in rerun. May import: loop, recorded, words."""

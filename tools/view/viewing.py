@@ -1,0 +1,121 @@
+"""A run shown to a person: recorded for rerun, opened in a window or browser, drawn as a picture, or followed live."""
+
+import sys
+import time
+import webbrowser
+from contextlib import suppress
+from pathlib import Path
+
+import rerun as rr
+
+from skolem.sim.physics.recording import BASE_FRAME
+from skolem.sim.robot import pr2
+from skolem.sim.robot.assets import patched_urdf_path
+from skolem.tools.loop.children import has_display
+from skolem.tools.view import viewer
+from skolem.traces.errors import Fault, InputError
+from skolem.traces.file.following import follow
+from skolem.traces.file.reader import MAGIC, Trace
+from skolem.traces.messages import TICKS_PER_SECOND, Action
+from skolem.traces.scene.recording import APPLICATION, Scene, convert
+from skolem.traces.scene.robot import RobotModel
+
+POLL_S = 0.1
+
+
+def pr2_model() -> RobotModel:
+    """Return what the PR2 looks like and what its joints are called."""
+    return RobotModel(patched_urdf_path(), BASE_FRAME, pr2.BASE, pr2.TORSO, pr2.HEAD, pr2.ARM)
+
+
+def spare_traces(out: Path, trace: Path) -> None:
+    """Refuse to write over a trace, the one that is looked at or another.
+
+    Raises:
+        InputError: If `out` is one, or a folder, or cannot be read to see what it is.
+    """
+    try:
+        same = out.exists() and out.samefile(trace)
+        with out.open("rb") as file:
+            recorded = file.read(len(MAGIC)) == MAGIC
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise InputError([Fault(str(out), 0, 0, f"cannot be written: {error.strerror}")]) from error
+    if same:
+        raise InputError([Fault(str(out), 0, 0, "is the trace itself; give another name")])
+    if recorded:
+        raise InputError([Fault(str(out), 0, 0, "is a trace, and would be lost; give another name")])
+
+
+def record(run: Trace, recording: Path) -> None:
+    """Write a finished run as a rerun recording.
+
+    Raises:
+        InputError: If the file cannot be written.
+    """
+    try:
+        convert(run, recording, pr2_model())
+    except OSError as error:
+        raise InputError([Fault(str(recording), 0, 0, f"cannot be written: {error.strerror}")]) from error
+
+
+def window(recording: Path) -> None:
+    """Show a recording in a window, until it is closed or Ctrl-C."""
+    with viewer.viewer("window", recording) as shown, suppress(KeyboardInterrupt):
+        shown.wait()
+
+
+def serve(recording: Path) -> None:
+    """Show a recording in a browser, until Ctrl-C."""
+    with viewer.viewer("web", recording) as shown:
+        address = shown.serving()
+        print(f"{address}\nCtrl-C ends it", file=sys.stderr, flush=True)
+        if not (has_display() and webbrowser.open(address)):
+            print("no browser was found here; open the address in one on this machine", file=sys.stderr, flush=True)
+        with suppress(KeyboardInterrupt):
+            shown.wait()
+
+
+def follow_run(partial: Path) -> None:
+    """Show a run in a window while it is recorded; the window stays when the run has ended, until it is closed."""
+    with viewer.viewer("window") as shown, suppress(KeyboardInterrupt):
+        draw_growing(partial, shown)
+        shown.wait()
+
+
+def draw_growing(growing: Path, shown: viewer.Viewer) -> None:
+    """Send a trace that is being written to a viewer, step by step, until the run ends or the viewer is closed."""
+    stream = rr.RecordingStream(APPLICATION)
+    wire = rr.binary_stream(stream)
+    scene = Scene(stream, pr2_model())
+    for recorded in follow(growing):
+        if recorded is not None:
+            scene.take(recorded)
+            continue
+        scene.flush()
+        if not shown.send(wire.read() or b""):
+            return
+        time.sleep(POLL_S)
+    scene.flush()
+    shown.send(wire.read() or b"", last=True)
+
+
+def moment_of(text: str, run: Trace) -> viewer.Moment:
+    """Return the moment that `step=N` or `time=S` names.
+
+    Raises:
+        InputError: If it is neither, or not within the run.
+    """
+    kind, _, number = text.partition("=")
+    try:
+        moment: viewer.Moment = ("step", int(number)) if kind == "step" else ("time", float(number))
+    except ValueError:
+        kind = ""
+    if kind not in ("step", "time"):
+        raise InputError([Fault("--at", 0, 0, f"step=N or time=S, with a number, is expected (got {text!r})")])
+    steps = [action.step + 1 for action in run.of(Action)]
+    limit = max(steps, default=0) if kind == "step" else max(r.tick for r in run.messages()) / TICKS_PER_SECOND
+    if not 0 <= moment[1] <= limit:
+        raise InputError([Fault("--at", 0, 0, f"the run has {kind} 0 to {limit:g} (got {moment[1]:g})")])
+    return moment

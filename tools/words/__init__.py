@@ -1,0 +1,1 @@
+"""Beliefs, plans and runs as text for people. May import: recorded."""
