@@ -20,6 +20,7 @@ PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
 PACKAGES := rules reasoner estimation sim traces tools
 SCENARIO := scenarios/sim1_green.yaml
 SEED := 0
+WORKERS ?= 2
 TRACE := out/$(basename $(notdir $(SCENARIO)))-$(SEED).mcap
 
 .PHONY: help setup demo test check lint wheel bench lock clean
@@ -50,7 +51,7 @@ demo: setup
 	$(BIN)/skolem run $(SCENARIO) --seed $(SEED) -o $(TRACE)
 
 test: setup
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q -n $(WORKERS)
 
 check: lint test wheel
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from kit.places import ROOT
 
-ROOT = Path(__file__).parent.parent
 TYPE_FARM = ROOT / ".types" / "skolem"
 PACKAGE_FOLDERS = ("rules", "reasoner", "estimation", "sim", "traces", "tools")
 
@@ -39,7 +39,7 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str, str], None]:
 @pytest.fixture
 def record_run() -> Callable[..., str]:
     """Return the function of `sample_run.py` that records a small run and returns its content hash."""
-    record: Callable[..., str] = runpy.run_path(str(ROOT / "tests" / "sample_run.py"))["record"]
+    record: Callable[..., str] = runpy.run_path(str(ROOT / "tests" / "kit" / "sample_run.py"))["record"]
     return record
 
 

@@ -1,0 +1,45 @@
+"""Traces of whole runs on disk, each made once, and copies of them that were tampered with."""
+
+import tempfile
+from collections.abc import Callable, Iterable
+from functools import cache
+from pathlib import Path
+
+from kit.places import SCENARIOS
+
+from skolem.tools.loop.planners import WorldKind
+from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.words.live import Silence
+from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.file.writer import TraceWriter
+from skolem.traces.messages import JSON_TOPICS, Message
+
+_FOLDER = tempfile.TemporaryDirectory()  # gone when the tests are over
+
+
+@cache
+def recorded(name: str, seed: int = 0, world: WorldKind = "symbolic", overrides: tuple[str, ...] = ()) -> Path:
+    """Return the trace of a run of a scenario file, made at the first call."""
+    path = Path(_FOLDER.name) / f"{name}-{seed}-{world}-{abs(hash(overrides))}.mcap"
+    run(prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world), path, Silence(), Stopwatch(), Outcome())
+    return path
+
+
+def rewritten(path: Path, out: Path, edit: Callable[[Recorded], Iterable[Message]]) -> Path:
+    """Write a copy of a trace in which each JSON message is replaced by what `edit` returns for it."""
+    trace = Trace(path)
+    run_data = {key: value for key, value in trace.metadata["run"].items() if key != "schema_version"}
+    writer = TraceWriter(out, attachments=trace.attachments, run=run_data, env=trace.metadata["env"])
+    with writer:
+        for message in trace.messages(*JSON_TOPICS):
+            for each in edit(message):
+                writer.write(message.topic, each, message.tick)
+    return out
+
+
+def unchanged(message: Recorded) -> Message:
+    """Return a message as it is."""
+    found = message.message
+    assert isinstance(found, Message)
+    return found

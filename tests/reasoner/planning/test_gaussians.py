@@ -1,0 +1,123 @@
+"""Gaussian fluents: the Loewner order, wrapped means, and regression through observations."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+from kit.minds import Normal
+
+from skolem.reasoner.planning import gaussians
+from skolem.reasoner.terms import Compound, compound, nll, parse_term
+from skolem.traces.messages import HsvVolume, WeightInterval
+
+SURE = nll(0.5)
+GREEN = HsvVolume(hue=(0.25, 0.45), saturation=(0.4, 1.0), value=(0.2, 1.0))
+RED = HsvVolume(hue=(0.95, 0.05), saturation=(0.4, 1.0), value=(0.2, 1.0))
+HEAVY = WeightInterval(at_least_kg=0.4)
+
+
+def pose(covariance: np.ndarray, mean: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Normal:
+    return Normal(np.array(mean), covariance, 0.9)
+
+
+def test_a_rotated_ellipse_that_sticks_out_is_not_contained_although_its_diagonal_is() -> None:
+    turn = np.array([[math.cos(0.7), -math.sin(0.7), 0], [math.sin(0.7), math.cos(0.7), 0], [0, 0, 1]])
+    covariance = turn @ np.diag([0.0098**2, 0.001**2, 0.01**2]) @ turn.T
+    bound = parse_term("sd(8,8,any)")
+    assert np.all(np.diagonal(covariance)[:2] < 0.008**2)
+    assert not gaussians.holds("pose", pose(covariance), "any", bound, "any", SURE)
+    assert gaussians.holds("pose", pose(covariance * 0.6), "any", bound, "any", SURE)
+
+
+def test_a_covariance_is_contained_in_itself() -> None:
+    assert gaussians.holds("pose", pose(np.diag([8e-3, 8e-3, 1.0]) ** 2), "any", parse_term("sd(8,8,any)"), "any", SURE)
+
+
+def test_the_mixture_weight_is_part_of_the_fluent() -> None:
+    small = pose(np.eye(3) * 1e-8)
+    assert gaussians.holds("pose", small, "any", parse_term("sd(8,8,any)"), "any", nll(0.9))
+    assert not gaussians.holds("pose", small, "any", parse_term("sd(8,8,any)"), "any", nll(0.95))
+
+
+def test_the_mean_is_compared_around_the_turn_of_hue_and_heading() -> None:
+    red = Normal(np.array([0.99, 0.8, 0.8]), np.eye(3) * 1e-6, 1.0)
+    bounds = parse_term("v(10,800,800)"), parse_term("sd(50,50,50)"), parse_term("tol(30,50,50)")
+    assert gaussians.holds("colour", red, *bounds, SURE)
+    about = pose(np.eye(3) * 1e-8, (0.0, 0.0, math.pi - 0.01))
+    bounds = parse_term("v(0,0,-3141)"), parse_term("sd(9,9,9)"), parse_term("tol(9,9,20)")
+    assert gaussians.holds("pose", about, *bounds, SURE)
+
+
+@given(st.floats(0.5, 30.0), st.floats(1.0, 40.0), st.floats(-0.9, 0.9), st.integers(2, 40), st.integers(2, 40))
+def test_one_observation_from_what_was_needed_before_gives_what_was_asked_to_a_thousandth(
+    a_mm: float, b_mm: float, correlation: float, x_mm: int, y_mm: int
+) -> None:
+    sensor = np.array([[a_mm**2, correlation * a_mm * b_mm], [correlation * a_mm * b_mm, b_mm**2]]) * 1e-6
+    before = gaussians.before_observation(compound("sd", x_mm, y_mm), sensor)
+    information = np.linalg.inv(sensor)
+    if isinstance(before, Compound):
+        for axis, sd in enumerate(before.args):
+            if isinstance(sd, int):
+                information[axis, axis] += 1.0 / (sd / 1000.0) ** 2
+    after = np.linalg.inv(information)
+    slack = np.diag([((x_mm + 1) / 1000) ** 2, ((y_mm + 1) / 1000) ** 2]) - after
+    assert np.linalg.eigvalsh(slack)[0] >= -1e-6 * (x_mm * y_mm) * 1e-6
+
+
+@pytest.mark.parametrize(("sensor_sd", "before"), [(0.024, "sd(7)"), (0.1, "sd(6)")])
+def test_small_steps_add_up_unless_very_many_were_needed(sensor_sd: float, before: str) -> None:
+    """An observation that leads from .0062 to .006 is a step, one of very many is none."""
+    assert gaussians.before_observation(parse_term("sd(6)"), np.array([[sensor_sd**2]])) == parse_term(before)
+
+
+@pytest.mark.parametrize("volume", [GREEN, RED])
+def test_any_belief_inside_a_colour_band_has_the_property(volume: HsvVolume) -> None:
+    prior = Normal(np.array([0.5, 0.6, 0.6]), np.diag([0.5, 0.3, 0.3]) ** 2, 1.0)
+    found = gaussians.band(volume, prior, np.diag([0.01, 0.03, 0.03]) ** 2, 0.9)
+    assert found is not None
+    mu, sigma, delta = (np.array([a for a in bound.args if isinstance(a, int)]) / 1000 for bound in _compounds(found))
+    rng = np.random.default_rng(1)
+    edges = [volume.hue, volume.saturation, volume.value]
+    for corner in ([1, 1, 1], [-1, 1, -1], [1, -1, 1], [-1, -1, -1]):
+        samples = rng.normal(mu + delta * corner, sigma, size=(20_000, 3))
+        width = (edges[0][1] - edges[0][0]) % 1.0
+        inside = (samples[:, 0] - edges[0][0]) % 1.0 <= width
+        for axis in (1, 2):
+            proper = (samples[:, axis] >= 0) & (samples[:, axis] <= 1)
+            inside &= (samples[:, axis] >= edges[axis][0]) & (samples[:, axis] <= edges[axis][1]) | ~proper
+        assert inside.mean() >= 0.9
+
+
+def test_a_heavy_band_starts_above_the_limit_and_holds_every_heavier_mean() -> None:
+    prior = Normal(np.array([math.log(0.3)]), np.array([[0.36]]), 1.0)
+    found = gaussians.band(HEAVY, prior, np.array([[0.01]]), 0.9655)
+    assert found is not None
+    (mu,), (sd,), (half,) = (bound.args for bound in _compounds(found))
+    assert isinstance(mu, int)
+    assert isinstance(half, int)
+    assert isinstance(sd, int)
+    lowest = (mu - half) / 1000
+    assert lowest > math.log(0.4)
+    assert 0.5 * (1 + math.erf((lowest - math.log(0.4)) / (sd / 1000) / math.sqrt(2))) >= 0.9655
+
+
+def test_a_sensor_far_coarser_than_the_set_has_no_band() -> None:
+    prior = Normal(np.array([0.5, 0.6, 0.6]), np.eye(3) * 0.25, 1.0)
+    assert gaussians.band(GREEN, prior, np.eye(3) * 0.25, 0.99) is None
+
+
+@pytest.mark.parametrize(("p", "used"), [(0.900, 0.700), (0.95, 0.750), (0.98, 0.780), (0.3, 0.1)])
+def test_a_discrete_look_is_not_trusted_to_turn_a_belief_around(p: float, used: float) -> None:
+    assert gaussians.before_reading(p, 0.95) == pytest.approx(used)
+
+
+def test_several_readings_turn_any_belief_around() -> None:
+    p, readings = 0.98, 0
+    while p > 0.001:
+        p, readings = gaussians.before_reading(p, 0.95), readings + 1
+    assert readings < 8
+
+
+def _compounds(found: tuple[object, object, object]) -> list[Compound]:
+    return [bound for bound in found if isinstance(bound, Compound)]

@@ -1,0 +1,253 @@
+"""Whole turns of the reasoner with the real rules, on a belief that is a table."""
+
+import pytest
+from kit.minds import Region, Thing
+from kit.papers import GREEN_TO_TABLE1, example, three_sodas
+from kit.plays import BLUE, GREEN, LIMITS, RED, Play
+
+from skolem.reasoner.agent import Agent, Turn
+from skolem.reasoner.planning.hierarchy import Change
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.regression import Step
+from skolem.reasoner.rulebook.book import Rulebook
+
+HEAVY_SODA = "exists o. B(Den(lambda x. And(Heavy(x), Soda(x)), o), 0.9) & B(In(o, table1), 0.9)"
+
+
+@pytest.fixture(scope="module")
+def rulebook() -> Rulebook:
+    return Rulebook.load(Queries)
+
+
+def test_the_candidates_are_examined_one_after_another_and_the_stack_is_popped_after_each_disappointment(
+    rulebook: Rulebook,
+) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    operators = play.run()
+    assert operators == [
+        "Move(look(sodaE))",
+        "LookAt(sodaE)",
+        "Move(look(sodaB))",
+        "LookAt(sodaB)",
+        "Move(look(sodaC))",
+        "LookAt(sodaC)",
+        "Move(pick(left,sodaC))",
+        "LookAt(sodaC)",
+        "Pick(sodaC)",
+        "Move(place(sodaC,table1,nothing))",
+        "LookAt(table1)",
+        "Place(sodaC, table1)",
+    ]
+    end = play.turns[-1].end
+    assert end is not None
+    assert (end.status, end.anchor) == ("goal_achieved", "sodaC")
+    lost = [
+        (p.step, p.false_fluents) for t in play.turns for p in t.plans if p.cause == "preimage_lost" and not p.layers
+    ]
+    assert [step for step, _ in lost] == [2, 4]
+    assert all(any("den(e1" in fluent for fluent in fluents) for _, fluents in lost)
+
+
+def test_the_first_plan_supposes_the_likeliest_description_and_then_places(rulebook: Rulebook) -> None:
+    things = three_sodas()
+    things["sodaC"].hsv, things["sodaC"].hsv_sd = (GREEN, 0.8, 0.8), 0.2
+    turn = next(iter(Play(rulebook, GREEN_TO_TABLE1, things).turns_to_the_end()))
+    assert turn.decisions[0].plan == ("ExamineObj(e1, sodaC)", "Place(sodaC, table1)")
+
+
+def test_a_heavy_object_is_found_by_weighing_and_is_not_picked_twice(rulebook: Rulebook) -> None:
+    weights = {"sodaE": -1.9, "sodaB": -1.8, "sodaC": -0.5}
+    play = Play(rulebook, HEAVY_SODA, three_sodas(), log_kg=weights)
+    operators = play.run()
+    assert operators[-1] == "Place(sodaC, table1)"
+    assert [op for op in operators if op.startswith("Weigh")] == ["Weigh(sodaE)", "Weigh(sodaB)", "Weigh(sodaC)"]
+    assert operators.count("Pick(sodaC)") == 1
+    assert operators.index("Pick(sodaB)") > max(i for i, op in enumerate(operators) if op.startswith("Place(sodaE"))
+
+
+def test_an_object_is_looked_at_before_it_is_picked_while_its_pose_is_poorly_known(rulebook: Rulebook) -> None:
+    things = three_sodas()
+    things["sodaC"].hsv, things["sodaC"].hsv_sd, things["sodaC"].pose_sd = (GREEN, 0.9, 0.8), 0.01, 0.1
+    operators = Play(rulebook, GREEN_TO_TABLE1, things).run()
+    assert operators.index("LookAt(sodaC)") < operators.index("Pick(sodaC)")
+
+
+def test_no_geometry_is_asked_about_a_later_abstract_step_before_the_first_is_done(rulebook: Rulebook) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    for turn in play.turns_to_the_end():
+        if turn.action is not None and turn.action.op == "LookAt(sodaC)":
+            break
+    assert not [q for q in play.geometry.asked if "pick" in q or "place" in q]
+
+
+def test_without_a_plan_the_run_ends_with_the_reason_and_the_best_candidate(rulebook: Rulebook) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": RED})
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.status == "goal_unachievable"
+    assert end.goal_probability < 0.1
+    assert "no plan" in end.reason
+
+
+def test_what_the_geometry_cannot_do_is_given_up_without_spinning(rulebook: Rulebook) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    play.geometry.impossible = {"look(sodaC)", "pick(right, sodaC)", "pick(left, sodaC)"}
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.status == "goal_unachievable"
+    assert "Move(look(sodaC))" in end.reason
+
+
+def test_an_action_that_changes_nothing_is_given_up_after_some_repeats(rulebook: Rulebook) -> None:
+    limits = LIMITS.model_copy(update={"repeats": 4})
+    hues = {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN}
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), hues, limits=limits)
+    play.fails = {"Pick(sodaC)"}
+    operators = play.run()
+    assert operators.count("Pick(sodaC)") == 2 * limits.repeats  # with each hand
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.status == "goal_unachievable"
+    assert "Pick(sodaC)" in end.reason
+
+
+def test_after_some_looks_in_vain_the_next_is_from_elsewhere(rulebook: Rulebook) -> None:
+    limits = LIMITS.model_copy(update={"repeats": 5, "same_looks": 2})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE}, limits=limits)
+    play.fails = {"LookAt(sodaC)"}
+    operators = play.run()
+    first = operators.index("Move(look(sodaC))")
+    look, move = "LookAt(sodaC)", "Move(look(sodaC))"
+    assert operators[first:] == [move, look, look, move, look, look, move, look]
+    assert play.geometry.asked.count("approach look(sodaC) from elsewhere") == 2
+    end = play.turns[-1].end
+    assert end is not None
+    assert "without success 5 times: look(sodaC)" in end.reason
+
+
+def test_where_nothing_known_can_be_meant_the_nearest_object_is_named(rulebook: Rulebook) -> None:
+    play = Play(rulebook, HEAVY_SODA, three_sodas(), log_kg={"sodaE": -1.9, "sodaB": -1.8, "sodaC": -2.5})
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.anchor in ("sodaE", "sodaB", "sodaC")
+    assert end.conjuncts["soda"] > 0.9 > 0.001 > end.conjuncts["heavy"]
+
+
+def test_the_limit_of_steps_ends_the_run(rulebook: Rulebook) -> None:
+    limits = LIMITS.model_copy(update={"steps": 3})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED}, limits=limits)
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    assert (end.status, end.steps) == ("limit_reached", 3)
+
+
+def test_plans_that_change_without_end_end_the_run(rulebook: Rulebook, monkeypatch: pytest.MonkeyPatch) -> None:
+    def change_for_ever(agent: Agent, turn: Turn, step: int, _current: Step) -> None:
+        turn.plans.append(agent._stack.message(step, Change("refine")))
+
+    monkeypatch.setattr(Agent, "_refine", change_for_ever)
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas())
+    assert play.run() == []
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.status == "limit_reached"
+    assert "limits.plan_changes" in end.reason
+
+
+def test_a_goal_that_is_believed_already_needs_no_action(rulebook: Rulebook) -> None:
+    things = three_sodas()
+    things["sodaE"].hsv, things["sodaE"].hsv_sd = (GREEN, 0.9, 0.8), 0.01
+    assert Play(rulebook, GREEN_TO_TABLE1, things).run() == []
+
+
+def test_the_threshold_of_the_goal_decides_whether_anything_is_done(rulebook: Rulebook) -> None:
+    things = three_sodas()
+    things["sodaE"].hsv, things["sodaE"].hsv_sd = (GREEN, 0.9, 0.8), 0.1
+    assert Play(rulebook, GREEN_TO_TABLE1.replace("x), o), 0.9", "x), o), 0.5"), things).run() == []
+    assert Play(rulebook, GREEN_TO_TABLE1, things, {"sodaE": GREEN}).run() == ["Move(look(sodaE))", "LookAt(sodaE)"]
+
+
+def test_the_same_object_must_satisfy_the_whole_goal(rulebook: Rulebook) -> None:
+    """One object is green elsewhere, another stands on the table and is red: nothing is achieved yet."""
+    things = three_sodas()
+    things["sodaE"].hsv, things["sodaE"].hsv_sd = (RED, 0.9, 0.8), 0.01
+    things["sodaC"].hsv, things["sodaC"].hsv_sd = (GREEN, 0.9, 0.8), 0.01
+    assert Play(rulebook, GREEN_TO_TABLE1, things).run()[-1] == "Place(sodaC, table1)"
+
+
+def test_the_cost_of_a_decision_is_counted_in_calls_and_expansions(rulebook: Rulebook) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    play.run()
+    for turn in play.turns:
+        assert sum(d.clingo_calls for d in turn.decisions) <= 30
+        assert sum(d.expansions for d in turn.decisions) <= 200
+
+
+# ---------------------------------------------------------------- searching, clearing
+
+
+def test_regions_are_searched_until_an_object_that_is_meant_turns_up(rulebook: Rulebook) -> None:
+    """The paper's third simulation: tables known, no object known."""
+    things = {a: t for a, t in three_sodas().items() if a.startswith("table")}
+    regions = {f"_reg{k}_": Region(f"table{k}", objects=1.0) for k in (1, 2, 3)}
+    new = {
+        "_reg1_": {"_o1_": Thing({"soda": 0.9, "bottle": 0.1}, on="table1", hsv=(RED, 0.9, 0.8), hsv_sd=0.01)},
+        "_reg2_": {"_o2_": Thing({"soda": 0.9, "bottle": 0.1}, on="table2", hsv=(GREEN, 0.9, 0.8), hsv_sd=0.01)},
+    }
+    play = Play(rulebook, GREEN_TO_TABLE1, things, regions=regions, found=new)
+    operators = play.run()
+    assert [op for op in operators if op.startswith("LookAtRegion")] == ["LookAtRegion(_reg1_)", "LookAtRegion(_reg2_)"]
+    assert operators[-1] == "Place(_o2_, table1)"
+    assert play.turns[0].decisions[0].plan == ("FindObj(e1, _reg1_, sk(var(o)))", "Place(sk(var(o)), table1)")
+
+
+def test_the_likelier_region_is_searched_first(rulebook: Rulebook) -> None:
+    things = {a: t for a, t in three_sodas().items() if a.startswith("table")}
+    regions = {"_reg1_": Region("table1", objects=0.1), "_reg2_": Region("table2", objects=0.3)}
+    play = Play(rulebook, GREEN_TO_TABLE1, things, regions=regions)
+    assert [op for op in play.run() if op.startswith("LookAtRegion")] == [
+        "LookAtRegion(_reg2_)",
+        "LookAtRegion(_reg1_)",
+    ]
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.status == "goal_unachievable"
+    assert end.regions == {"_reg1_": 0.95, "_reg2_": 0.95}
+
+
+def test_the_illustrative_example_runs_as_the_paper_tells_it(rulebook: Rulebook) -> None:
+    play = example()
+    operators = play.run()
+    first = play.turns[0].decisions[0].plan
+    assert first == ("ExamineObj(e1, o2)", "Place(o2, desk)")
+    place_o1 = next(i for i, op in enumerate(operators) if op.startswith("Place(o1"))
+    assert place_o1 < operators.index("Pick(o2)") < operators.index("Weigh(o2)")
+    assert operators.index("LookAt(o2)") < operators.index("Weigh(o2)")
+    after_light = next(t for t in play.turns if any(p.cause == "preimage_lost" and not p.layers for p in t.plans))
+    assert after_light.decisions[0].plan == ("FindObj(e1, _reg2_, sk(var(o)))", "Place(sk(var(o)), desk)")
+    find = operators.index("LookAtRegion(_reg2_)")
+    put_down = next(i for i, op in enumerate(operators) if op.startswith("Place(o2"))
+    assert operators.index("Weigh(o2)") < find < operators.index("Pick(_o4_)") < operators.index("Weigh(_o4_)")
+    assert put_down < operators.index("Pick(_o4_)")
+    assert operators[-1] == "Place(_o4_, desk)"
+    assert max(len(p.layers) for t in play.turns for p in t.plans) >= 8
+
+
+def test_an_obstacle_is_placed_where_it_is_not_in_the_way_again(rulebook: Rulebook) -> None:
+    play = example()
+    play.run()
+    assert any(q.startswith("approach place(") and "o1" in q and "pick(" in q for q in play.geometry.asked)
+
+
+def test_the_end_without_success_gives_the_best_candidate_with_each_property(rulebook: Rulebook) -> None:
+    play = example()
+    play.found = {}
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.status == "goal_unachievable"
+    assert end.conjuncts.keys() >= {"green", "heavy", "soda"}
