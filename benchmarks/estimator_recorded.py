@@ -19,8 +19,9 @@ from skolem.estimation.se2 import Matrix, between, flat, log as tangent
 from skolem.sim.physics.pybullet import PyBulletWorld
 from skolem.sim.scenario.scenario import prior, true_bodies
 from skolem.sim.symbolic.view import head_towards
-from skolem.tools.loop import session
 from skolem.tools.loop.planners import WorldKind
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.live import watcher_for
 from skolem.traces.file.reader import Trace
@@ -91,9 +92,9 @@ class Errors:
 
 def record(scenario: Path, seed: int, world: WorldKind, trace: Path) -> None:
     """Run a scenario and write its trace."""
-    setup = session.prepare(scenario, seed=seed, world=world)
+    setup = prepare(scenario, seed=seed, world=world)
     with watcher_for(setup, quiet=True) as watcher:
-        session.run(setup, trace, watcher, Stopwatch(), session.Outcome())
+        run(setup, trace, watcher, Stopwatch(), Outcome())
 
 
 def along(trace: Trace) -> Recording:
@@ -108,7 +109,7 @@ def along(trace: Trace) -> Recording:
     return Recording(belief.events, tuple(moments))
 
 
-def touring(setup: session.Setup, seed: int) -> Recording:
+def touring(setup: Setup, seed: int) -> Recording:
     """Return the log of a robot that drives about a little in PyBullet and looks at every table in turn."""
     scenario, robot = setup.scenario, setup.scenario.robot
     start = (robot.base.x, robot.base.y, robot.base.theta)

@@ -25,7 +25,7 @@ from benchmarks.estimator_scores import (
 )
 from benchmarks.tables import ROOT, Table, Target
 from skolem.estimation.events import Began
-from skolem.tools.loop.session import prepare
+from skolem.tools.loop.setup import prepare
 from skolem.traces.file.reader import Trace
 
 Array = NDArray[np.float64]

@@ -5,7 +5,8 @@ import time
 from pathlib import Path
 
 from benchmarks.tables import ROOT, Table, Target
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.view.viewing import record
 from skolem.tools.words.live import Silence

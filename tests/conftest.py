@@ -46,7 +46,8 @@ def record_run() -> Callable[..., str]:
 @pytest.fixture(scope="session")
 def green_trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the trace of a whole run in the world without physics, in which plans are dropped."""
-    from skolem.tools.loop.session import Outcome, prepare, run
+    from skolem.tools.loop.session import Outcome, run
+    from skolem.tools.loop.setup import prepare
     from skolem.tools.loop.stopwatch import Stopwatch
     from skolem.tools.words.live import Silence
 

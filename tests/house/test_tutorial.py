@@ -9,7 +9,8 @@ from typer.testing import CliRunner
 
 from skolem.sim.scenario.scenario import load_document
 from skolem.tools.explain import command as explain
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.rules import command as rules
 from skolem.tools.words.live import Silence

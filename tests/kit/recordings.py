@@ -8,7 +8,8 @@ from pathlib import Path
 from kit.places import SCENARIOS
 
 from skolem.tools.loop.planners import WorldKind
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Recorded, Trace

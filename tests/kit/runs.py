@@ -17,7 +17,8 @@ from kit.tabletop import EXACT, TYPES, near_table
 
 from skolem.sim.truth.bodies import TrueBody
 from skolem.tools.loop.planners import WorldKind
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace

@@ -9,7 +9,8 @@ from kit.needs import missing
 from kit.places import SCENARIOS
 from rerun.chunk import RrdReader
 
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.view.viewing import pr2_model
 from skolem.tools.words.live import Silence

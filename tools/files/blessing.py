@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.divergences import divergence_lines
 from skolem.tools.words.live import Silence

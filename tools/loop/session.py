@@ -1,10 +1,9 @@
-"""One run: the parts put together, and the loop observe, update, decide, act, every message recorded.
+"""One run: the loop observe, update, decide, act, every message recorded.
 
 The simulator alone knows the scenario's true world; belief and reasoner get the prior, observations and results.
 """
 
-import hashlib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,28 +11,13 @@ from typing import IO, Protocol
 
 from google.protobuf.message import Message as Protobuf
 
-from skolem.estimation.config import EstimatorConfig
 from skolem.reasoner.agent import Turn
-from skolem.reasoner.language.expressions import Goal
-from skolem.reasoner.language.parser import goal_faults, parse_goal
-from skolem.reasoner.lint.wrong_rules import refuse_wrong
-from skolem.reasoner.planning.queries import Queries
-from skolem.reasoner.planning.relations import misused, too_sure
-from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.scenario.scenario import (
-    Document,
-    Scenario,
-    believed_noise,
-    check,
-    load_document,
-    moves_before,
-    prior,
-    true_bodies,
-)
+from skolem.sim.scenario.scenario import believed_noise, moves_before, prior, true_bodies
 from skolem.tools.loop.mind import Mind
-from skolem.tools.loop.planners import WorldKind, planner_of
+from skolem.tools.loop.planners import planner_of
+from skolem.tools.loop.setup import Setup, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
-from skolem.tools.loop.stopwatch import ESTIMATION, MOTION_PLANNING, REASONING, Stopwatch
+from skolem.tools.loop.stopwatch import LOADING, PHYSICS, RECORDING, SENSING, Stopwatch
 from skolem.tools.loop.verdict import verdict
 from skolem.traces import messages
 from skolem.traces.file.environment import environment
@@ -41,9 +25,6 @@ from skolem.traces.file.made_of import RULES, SCENARIO
 from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import Action, ActionResult, Observation, Pose4, RobotState, RunEnd, TrueState
 
-LOADING, SENSING, PHYSICS = "loading", "rendering_and_detection", "physics"
-RECORDING = "recording"
-PARTS = (SENSING, ESTIMATION, REASONING, MOTION_PLANNING, PHYSICS, RECORDING, LOADING)
 DROPPED = frozenset({"preimage_lost", "refused"})  # causes for which plans are given up
 
 
@@ -92,36 +73,6 @@ class Watcher(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class Setup:
-    """Everything a run is made of, read and found without fault.
-
-    Attributes:
-        document: The scenario file.
-        scenario: The same, checked.
-        rulebook: The rules, with the scenario's own.
-        goal: The scenario's goal.
-        seed: Of every draw.
-        world: Which simulator.
-        images: Whether camera images are recorded.
-        profile: Whether wall times are recorded.
-    """
-
-    document: Document
-    scenario: Scenario
-    rulebook: Rulebook
-    goal: Goal
-    seed: int
-    world: WorldKind
-    images: bool
-    profile: bool
-
-    @property
-    def types(self) -> dict[str, messages.ObjectType]:
-        """Every object type the rules know."""
-        return dict(self.rulebook.vocabulary.types)
-
-
 @dataclass(slots=True)
 class Outcome:
     """How a run went.
@@ -147,83 +98,6 @@ class Outcome:
     seconds: dict[str, float] = field(default_factory=dict)
     total_s: float = 0.0
     content_hash: str = ""
-
-
-def prepare(
-    path: Path,
-    overrides: Sequence[str] = (),
-    seed: int | None = None,
-    world: WorldKind = "pybullet",
-    images: bool = False,
-    profile: bool = False,
-) -> Setup:
-    """Read a scenario and its rules.
-
-    Raises:
-        InputError: With every fault found.
-    """
-    return compose(load_document(path, overrides), seed, world, images, profile)
-
-
-def compose(
-    document: Document,
-    seed: int | None = None,
-    world: WorldKind = "pybullet",
-    images: bool = False,
-    profile: bool = False,
-    rulebook: Rulebook | None = None,
-) -> Setup:
-    """Read a scenario's rules and check it.
-
-    Args:
-        document: The scenario file.
-        seed: Instead of the scenario's.
-        world: Which simulator.
-        images: Whether camera images are recorded.
-        profile: Whether wall times are recorded.
-        rulebook: The rules, if they were read already; None for those that ship and the scenario's own.
-
-    Raises:
-        InputError: With every fault found.
-    """
-    if rulebook is None:
-        rulebook = rules_of(document)
-    scenario, goal = understood(document, rulebook)
-    return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, world, images, profile)
-
-
-def rules_of(document: Document) -> Rulebook:
-    """Return the rules that ship together with the scenario's own, if a run can follow them.
-
-    Raises:
-        InputError: With every fault in them.
-    """
-    own = [rules for rules in document.rules if rules.is_file()]
-    rulebook = Rulebook.load(Queries, own)
-    if own:  # of those that ship a test says that they are right
-        refuse_wrong(rulebook)
-    return rulebook
-
-
-def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
-    """Return the scenario of a document and its goal, read with some rules.
-
-    Raises:
-        InputError: With every fault found.
-    """
-    words = rulebook.vocabulary.words()
-
-    def faults(goal: str, names: Collection[str]) -> list[tuple[int, str]]:
-        found = goal_faults(goal, words, names)
-        if found:
-            return found
-        read = parse_goal(goal, words, names)
-        return [
-            (0, wrong) for wrong in misused(read, rulebook.vocabulary) + too_sure(read, EstimatorConfig().most_sure)
-        ]
-
-    scenario = check(document, rulebook.vocabulary.types, faults)
-    return scenario, parse_goal(scenario.goal, words, [item.id for item in scenario.belief.objects])
 
 
 def run(
@@ -252,20 +126,6 @@ def run(
                 outcome.seconds, outcome.total_s = watch.seconds(), watch.total()
     finally:
         outcome.content_hash = writer.content_hash if writer.written else ""
-
-
-def run_start(setup: Setup) -> messages.RunStart:
-    """Return what a run is made of, as its trace begins."""
-    return messages.RunStart(
-        scenario=setup.scenario.name,
-        scenario_sha256=hashlib.sha256(setup.document.effective_text().encode()).hexdigest(),
-        rules_sha256=setup.rulebook.sha256,
-        robot_sha256=_robot_sha256(setup.world),
-        world=setup.world,
-        seed=setup.seed,
-        goal=setup.scenario.goal,
-        limits=setup.scenario.limits,
-    )
 
 
 class _Run:
@@ -369,41 +229,3 @@ class _Run:
 
     def _record(self, topic: str, message: Protobuf) -> None:
         self._write(topic, message)
-
-
-def _robot_sha256(world: WorldKind) -> str:
-    """Return the hash of the robot model's files; the symbolic robot has none."""
-    if world == "symbolic":
-        return ""
-    from skolem.sim.robot.assets import robot_sha256
-
-    return robot_sha256()
-
-
-def summary(
-    setup: Setup, outcome: Outcome, status: messages.RunStatus, reason: str, trace: Path
-) -> Mapping[str, object]:
-    """Return the fields of `--json`, in the order in which they are printed."""
-    end, judged = outcome.end, outcome.verdict
-    return {
-        "scenario": setup.scenario.name,
-        "seed": setup.seed,
-        "world": setup.world,
-        "status": status,
-        "believed": status == "goal_achieved",
-        "true": None if judged is None else judged.true,
-        "reason": reason,
-        "anchor": None if end is None else end.anchor,
-        "witness": None if judged is None else judged.witness,
-        "goal_probability": None if end is None else end.goal_probability,
-        "conjuncts": {} if end is None else end.conjuncts,
-        "regions": {} if end is None else end.regions,
-        "actions": outcome.actions,
-        "replans": outcome.replans,
-        "clingo_calls": outcome.clingo_calls,
-        "simulated_s": round(outcome.tick / messages.TICKS_PER_SECOND, 3),
-        "wall_s": {part: round(outcome.seconds.get(part, 0.0), 3) for part in PARTS}
-        | {"total": round(outcome.total_s, 3)},
-        "trace": str(trace),
-        "content_hash": outcome.content_hash,
-    }

@@ -4,8 +4,10 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-MOTION_PLANNING = "motion_planning"
-ESTIMATION, REASONING = "estimation", "reasoning"
+LOADING, SENSING, PHYSICS = "loading", "rendering_and_detection", "physics"
+ESTIMATION, REASONING, MOTION_PLANNING = "estimation", "reasoning", "motion_planning"
+RECORDING = "recording"
+PARTS = (SENSING, ESTIMATION, REASONING, MOTION_PLANNING, PHYSICS, RECORDING, LOADING)
 
 
 class Stopwatch:

@@ -7,7 +7,7 @@ from typing import Final
 from skolem.reasoner.language.expressions import Believed, Goal
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import Document, prior, read_document
-from skolem.tools.loop.session import understood
+from skolem.tools.loop.setup import understood
 from skolem.tools.recorded.replaying import given_in
 from skolem.tools.recorded.rethinking import Given
 from skolem.tools.recorded.rules import Rulebooks

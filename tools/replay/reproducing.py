@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from skolem.sim.scenario.scenario import read_document
-from skolem.tools.loop.session import Outcome, Setup, Watcher, run, understood
+from skolem.tools.loop.session import Outcome, Watcher, run
+from skolem.tools.loop.setup import Setup, understood
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.replaying import other_end
 from skolem.tools.recorded.rules import rulebook_of

@@ -24,7 +24,7 @@ def check(
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object per mistake.")] = False,
 ) -> None:
     """Report every mistake in scenario files with its place; exit status 2 if there is one."""
-    from skolem.tools.loop.session import prepare
+    from skolem.tools.loop.setup import prepare
 
     sound = True
     for file in files:

@@ -63,7 +63,8 @@ def run(
     """
     watch = Stopwatch()
     with watch.part("loading"):
-        from skolem.tools.loop import session
+        from skolem.tools.loop.setup import prepare
+        from skolem.tools.loop.stopwatch import LOADING
         from skolem.tools.run import running
         from skolem.tools.run.watching import watched
     try:
@@ -71,8 +72,8 @@ def run(
         overrides += ["limits.optimal=true"] if optimal else []
         if images and world is WorldChoice.symbolic:
             raise InputError([Fault("--images", 0, 0, "the symbolic world has no camera; leave out one of the two")])
-        with watch.part(session.LOADING):
-            setup = session.prepare(scenario, overrides, seed, world.value, images, profile)
+        with watch.part(LOADING):
+            setup = prepare(scenario, overrides, seed, world.value, images, profile)
         for warning in setup.rulebook.warnings:
             print(warning, file=sys.stderr)
         trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")

@@ -2,11 +2,13 @@
 
 import json as json_format
 import traceback
+from collections.abc import Mapping
 from pathlib import Path
 from typing import IO
 
-from skolem.tools.loop import session
-from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import Setup
+from skolem.tools.loop.stopwatch import PARTS, Stopwatch
 from skolem.tools.words.live import watcher_for
 from skolem.traces.errors import InputError, SkolemError, UnwrittenError
 from skolem.traces.file.writer import partial_of
@@ -22,25 +24,25 @@ EXIT: dict[RunStatus, int] = {
 
 
 def execute(
-    setup: session.Setup,
+    setup: Setup,
     trace: Path,
     watch: Stopwatch,
     json: bool,
     quiet: bool,
     partial: IO[bytes] | None = None,
 ) -> int:
-    """Run, print what came of it, and return the exit status; `partial` as in `session.run`.
+    """Run, print what came of it, and return the exit status; `partial` as in `run`.
 
     Raises:
         InputError: If the trace cannot be begun.
         UnwrittenError: If it cannot be written to its end; with `json` the object is printed all the same.
     """
-    outcome = session.Outcome()
+    outcome = Outcome()
     status: RunStatus = "error"
     reason, unwritten = "", None
     with watcher_for(setup, quiet) as watcher:
         try:
-            session.run(setup, trace, watcher, watch, outcome, partial)
+            run(setup, trace, watcher, watch, outcome, partial)
             assert outcome.end is not None, "a run that raises nothing has an end"
             status, reason = outcome.end.status, outcome.end.reason
         except KeyboardInterrupt:
@@ -54,8 +56,8 @@ def execute(
             if not isinstance(error, SkolemError):
                 traceback.print_exception(error)
     if json:
-        summary = session.summary(setup, outcome, status, reason, trace)
-        print(json_format.dumps({**summary, "trace": summary["trace"] if outcome.content_hash else None}))
+        fields = summary(setup, outcome, status, reason, trace)
+        print(json_format.dumps({**fields, "trace": fields["trace"] if outcome.content_hash else None}))
     elif unwritten is None:
         print(verdict_text(setup, outcome, status, reason, trace))
     if unwritten is not None:
@@ -63,7 +65,34 @@ def execute(
     return EXIT[status]
 
 
-def verdict_text(setup: session.Setup, outcome: session.Outcome, status: RunStatus, reason: str, trace: Path) -> str:
+def summary(setup: Setup, outcome: Outcome, status: RunStatus, reason: str, trace: Path) -> Mapping[str, object]:
+    """Return the fields of `--json`, in the order in which they are printed."""
+    end, judged = outcome.end, outcome.verdict
+    return {
+        "scenario": setup.scenario.name,
+        "seed": setup.seed,
+        "world": setup.world,
+        "status": status,
+        "believed": status == "goal_achieved",
+        "true": None if judged is None else judged.true,
+        "reason": reason,
+        "anchor": None if end is None else end.anchor,
+        "witness": None if judged is None else judged.witness,
+        "goal_probability": None if end is None else end.goal_probability,
+        "conjuncts": {} if end is None else end.conjuncts,
+        "regions": {} if end is None else end.regions,
+        "actions": outcome.actions,
+        "replans": outcome.replans,
+        "clingo_calls": outcome.clingo_calls,
+        "simulated_s": round(outcome.tick / TICKS_PER_SECOND, 3),
+        "wall_s": {part: round(outcome.seconds.get(part, 0.0), 3) for part in PARTS}
+        | {"total": round(outcome.total_s, 3)},
+        "trace": str(trace),
+        "content_hash": outcome.content_hash,
+    }
+
+
+def verdict_text(setup: Setup, outcome: Outcome, status: RunStatus, reason: str, trace: Path) -> str:
     """Return what the robot believes, what is true, and where the trace lies, if one was written."""
     counts = (
         f"{outcome.actions} actions, {outcome.replans} replans, "

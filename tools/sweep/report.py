@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from skolem.reasoner.language.expressions import Believed, Estimated, Goal
-from skolem.tools.loop.session import PARTS, RECORDING
 from skolem.tools.loop.source import SOURCE_SHA256
+from skolem.tools.loop.stopwatch import PARTS, RECORDING
 from skolem.tools.sweep.rows import Row
 from skolem.traces.messages import RunStatus
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from skolem.tools.loop.session import DROPPED, PARTS
+from skolem.tools.loop.session import DROPPED
+from skolem.tools.loop.stopwatch import PARTS
 from skolem.traces.errors import TraceError
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (

@@ -7,8 +7,8 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from skolem.tools.loop import session
 from skolem.tools.loop.planners import WorldKind
+from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.sweep.progress import progress_for
 from skolem.tools.sweep.report import ACHIEVED, Part, line, sections, summary, with_section
 from skolem.tools.sweep.rows import Row, put, results_csv, times_csv
@@ -30,7 +30,7 @@ class Plan:
         tasks: A run per scenario and seed, sorted by both.
     """
 
-    setups: dict[str, session.Setup]
+    setups: dict[str, Setup]
     overrides: Sequence[str]
     tasks: Sequence[Task]
 
@@ -54,11 +54,11 @@ def plan(files: Sequence[Path], seeds: range, world: WorldKind, overrides: Seque
     Raises:
         InputError: With every fault of every scenario, or if two have the same name.
     """
-    setups: dict[str, session.Setup] = {}
+    setups: dict[str, Setup] = {}
     faults: list[Fault] = []
     for file in files:
         try:
-            setup = session.prepare(file, overrides, world=world)
+            setup = prepare(file, overrides, world=world)
         except InputError as error:
             faults += error.faults
             continue
@@ -159,7 +159,7 @@ def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
     ]
 
 
-def _expected(setup: session.Setup) -> RunStatus:
+def _expected(setup: Setup) -> RunStatus:
     """Return how the scenario says that its runs end."""
     return ACHIEVED if setup.scenario.expect is None else setup.scenario.expect.status
 

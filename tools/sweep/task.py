@@ -14,9 +14,10 @@ from tempfile import TemporaryDirectory
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import load_document
-from skolem.tools.loop import session
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import Setup, compose, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
-from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.loop.stopwatch import LOADING, Stopwatch
 from skolem.tools.sweep.rows import Row, read_row
 from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError, SkolemError, TraceError
@@ -58,7 +59,7 @@ class Finished:
     trace: bytes
 
 
-def tasks_of(setup: session.Setup, overrides: Sequence[str], seeds: range) -> list[Task]:
+def tasks_of(setup: Setup, overrides: Sequence[str], seeds: range) -> list[Task]:
     """Return a task per seed.
 
     Args:
@@ -70,7 +71,7 @@ def tasks_of(setup: session.Setup, overrides: Sequence[str], seeds: range) -> li
     rules = tuple((path.name, path.read_bytes()) for path in setup.document.rules)
     changed = "".join(f"{flag}\n" for flag in overrides).encode()
     suffix = f"-{hashlib.sha256(changed).hexdigest()[:HASH_DIGITS]}" if overrides else ""
-    start = session.run_start(setup)
+    start = run_start(setup)
     return [
         Task(
             name=f"{setup.scenario.name}-{seed}{suffix}.mcap",
@@ -129,10 +130,10 @@ def perform(task: Task, folder: Path) -> Finished:
         WorkerRefusedError: If this is another program than the one that asks.
     """
     watch, path = Stopwatch(), folder / "run.mcap"
-    with watch.part(session.LOADING):
+    with watch.part(LOADING):
         setup = _setup(task, folder)
     try:
-        session.run(setup, path, Silence(), watch, session.Outcome())
+        run(setup, path, Silence(), watch, Outcome())
     except Exception:
         if not path.exists():
             raise
@@ -145,7 +146,7 @@ def _shipped() -> Rulebook:
     return Rulebook.load(Queries)
 
 
-def _setup(task: Task, folder: Path) -> session.Setup:
+def _setup(task: Task, folder: Path) -> Setup:
     scenario = folder / "scenario.yaml"
     scenario.write_text(task.scenario, encoding="utf-8", newline="")
     for name, content in task.rules:
@@ -153,9 +154,9 @@ def _setup(task: Task, folder: Path) -> session.Setup:
     try:
         document = replace(load_document(scenario), rules=tuple(folder / name for name, _ in task.rules))
         rulebook = None if task.rules else _shipped()
-        setup = session.compose(document, task.start.seed, task.start.world, profile=True, rulebook=rulebook)
+        setup = compose(document, task.start.seed, task.start.world, profile=True, rulebook=rulebook)
     except InputError as error:
         raise WorkerRefusedError(f"what is sound here is not so for the worker: {error}") from None
-    if task.source != SOURCE_SHA256 or session.run_start(setup) != task.start:
+    if task.source != SOURCE_SHA256 or run_start(setup) != task.start:
         raise WorkerRefusedError("the worker runs another version of skolem or of the robot's model; install the same")
     return setup

@@ -20,7 +20,8 @@ from rich.table import Table
 from rich.text import Text
 
 from skolem.reasoner.agent import Turn
-from skolem.tools.loop.session import DROPPED, Setup
+from skolem.tools.loop.session import DROPPED
+from skolem.tools.loop.setup import Setup
 from skolem.tools.words.belief_table import COLUMNS, belief_rows
 from skolem.tools.words.plan_tree import plan_lines
 from skolem.traces.messages import (

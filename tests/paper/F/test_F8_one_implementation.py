@@ -11,7 +11,7 @@ import skolem.estimation.belief
 import skolem.reasoner.agent
 from skolem.sim.physics.pybullet import PyBulletWorld
 from skolem.sim.symbolic.world import SymbolicWorld
-from skolem.tools.loop.session import prepare
+from skolem.tools.loop.setup import prepare
 
 BACK_END = ("tick", "robot_state", "state", "disturb", "execute", "close")
 REAL = ("real1_oil", "real1_oil_switched", "real2_green")

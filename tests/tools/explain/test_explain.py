@@ -18,7 +18,8 @@ from typer.testing import CliRunner
 from skolem.tools.explain import command as explain
 from skolem.tools.explain.explaining import Explanation, explained
 from skolem.tools.explain.text import action_tree, choice_tree, drop_tree, end_tree, lines
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError, InternalError

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from kit.places import DATA
 
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.replaying import Options, replay
 from skolem.tools.recorded.run import RecordedRun

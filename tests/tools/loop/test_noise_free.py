@@ -8,7 +8,7 @@ from kit.runs import Run, ran
 
 from skolem.sim.scenario.scenario import prior
 from skolem.sim.symbolic.arm import CARRY
-from skolem.tools.loop.session import prepare
+from skolem.tools.loop.setup import prepare
 from skolem.traces.messages import RobotState
 
 EXACT = ("noise=none",)

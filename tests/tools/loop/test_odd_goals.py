@@ -8,7 +8,7 @@ from kit.recordings import recorded
 
 from skolem.sim.scenario.scenario import prior
 from skolem.sim.symbolic.arm import CARRY
-from skolem.tools.loop.session import prepare
+from skolem.tools.loop.setup import prepare
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Observation, RobotState, RunEnd

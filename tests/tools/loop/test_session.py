@@ -6,8 +6,10 @@ import pytest
 from kit.places import ROOT
 
 from skolem.sim.symbolic.world import SymbolicWorld
-from skolem.tools.loop.session import PARTS, Outcome, prepare, run, summary
-from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
+from skolem.tools.loop.stopwatch import PARTS, Stopwatch
+from skolem.tools.run.running import summary
 from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace

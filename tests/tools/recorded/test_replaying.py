@@ -16,7 +16,8 @@ from skolem.reasoner.agent import Agent
 from skolem.reasoner.planning.instances import Instance
 from skolem.tools import cli
 from skolem.tools.loop.mind import Mind
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.fingerprint import differences
 from skolem.tools.recorded.replaying import Options, Replayed, replay
@@ -37,6 +38,7 @@ NOT_FOR_A_REPLAY = (  # each takes a while to import
     *("distributed", "foxglove_schemas_protobuf", "mcap_protobuf", "ompl", "pyarrow", "pybullet", "rerun", "rich"),
     *("ruamel", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "scipy.stats"),
     *("skolem.reasoner.lint.linting", "skolem.reasoner.lint.wrong_rules", "skolem.sim", "skolem.tools.loop.session"),
+    "skolem.tools.loop.setup",
 )
 OTHER_MACHINES = (
     {"PYTHONHASHSEED": "7", "OPENBLAS_NUM_THREADS": "2"},

@@ -19,7 +19,8 @@ from distributed import Client
 from kit.places import ROOT
 
 from skolem.tools import cli
-from skolem.tools.loop import session
+from skolem.tools.loop.setup import prepare
+from skolem.tools.loop.stopwatch import PARTS
 from skolem.tools.sweep.rows import Row, results_csv, times_csv
 from skolem.tools.sweep.sweeping import seed_range
 from skolem.tools.sweep.task import Task, WorkerRefusedError, done_before, perform, tasks_of
@@ -68,7 +69,7 @@ def table(out: Path) -> list[dict[str, str]]:
 
 
 def task(seed: int = 0) -> Task:
-    return tasks_of(session.prepare(GREEN, [SHORT], world="symbolic"), [SHORT], range(seed, seed + 1))[0]
+    return tasks_of(prepare(GREEN, [SHORT], world="symbolic"), [SHORT], range(seed, seed + 1))[0]
 
 
 # ---------------------------------------------------------------- one run
@@ -87,7 +88,7 @@ def test_a_task_needs_no_file_of_the_one_who_asks(tmp_path: Path) -> None:
     (tmp_path / "mossy.lp").write_text("% a word\ncolour(mossy, 90, 150, 40, 100, 20, 100).\n")
     scenario = here / "own.yaml"
     scenario.write_text(GREEN.read_text().replace("Green(x)", "Mossy(x)") + "rules: [../mossy.lp]\n")
-    [made] = tasks_of(session.prepare(scenario, [SHORT], world="symbolic"), [SHORT], range(1))
+    [made] = tasks_of(prepare(scenario, [SHORT], world="symbolic"), [SHORT], range(1))
     scenario.unlink()
     (tmp_path / "mossy.lp").unlink()
     row = perform(made, there).row
@@ -137,7 +138,7 @@ def test_wall_times_stay_out_of_the_table_of_results(tmp_path: Path) -> None:
     slower = Row(**row.facts() | {"size_bytes": 1, "seconds": dict.fromkeys(row.seconds, 99.0)})  # type: ignore[arg-type]
     assert results_csv([row]) == results_csv([slower])
     assert times_csv([row]) != times_csv([slower])
-    assert row.seconds["total"] >= sum(row.seconds[part] for part in session.PARTS) * 0.99
+    assert row.seconds["total"] >= sum(row.seconds[part] for part in PARTS) * 0.99
 
 
 # ---------------------------------------------------------------- the command

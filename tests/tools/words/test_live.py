@@ -8,7 +8,7 @@ from rich.console import Console
 
 from skolem.reasoner.agent import Turn
 from skolem.reasoner.planning.goals import Closest
-from skolem.tools.loop.session import prepare
+from skolem.tools.loop.setup import prepare
 from skolem.tools.words.belief_table import belief_rows, size_of
 from skolem.tools.words.live import Lines, Picture, drop_text, watcher_for
 from skolem.tools.words.plan_tree import plan_lines

@@ -26,7 +26,8 @@ STOPPING = f"""
 import sys, time
 from pathlib import Path
 from skolem.tools.words.live import Silence
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 
 class Stopping(Silence):

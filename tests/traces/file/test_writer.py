@@ -19,7 +19,8 @@ from mcap.records import Chunk
 from mcap.writer import Writer
 
 from skolem.sim.symbolic.world import SymbolicWorld
-from skolem.tools.loop.session import Outcome, prepare, run
+from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError, InternalError, UnwrittenError

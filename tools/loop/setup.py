@@ -1,0 +1,147 @@
+"""What a run is made of: a scenario and the rules, read and found without fault."""
+
+import hashlib
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from skolem.estimation.config import EstimatorConfig
+from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner.language.parser import goal_faults, parse_goal
+from skolem.reasoner.lint.wrong_rules import refuse_wrong
+from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.relations import misused, too_sure
+from skolem.reasoner.rulebook.book import Rulebook
+from skolem.sim.scenario.scenario import Document, Scenario, check, load_document
+from skolem.tools.loop.planners import WorldKind
+from skolem.traces.messages import ObjectType, RunStart
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """Everything a run is made of, read and found without fault.
+
+    Attributes:
+        document: The scenario file.
+        scenario: The same, checked.
+        rulebook: The rules, with the scenario's own.
+        goal: The scenario's goal.
+        seed: Of every draw.
+        world: Which simulator.
+        images: Whether camera images are recorded.
+        profile: Whether wall times are recorded.
+    """
+
+    document: Document
+    scenario: Scenario
+    rulebook: Rulebook
+    goal: Goal
+    seed: int
+    world: WorldKind
+    images: bool
+    profile: bool
+
+    @property
+    def types(self) -> dict[str, ObjectType]:
+        """Every object type the rules know."""
+        return dict(self.rulebook.vocabulary.types)
+
+
+def prepare(
+    path: Path,
+    overrides: Sequence[str] = (),
+    seed: int | None = None,
+    world: WorldKind = "pybullet",
+    images: bool = False,
+    profile: bool = False,
+) -> Setup:
+    """Read a scenario and its rules.
+
+    Raises:
+        InputError: With every fault found.
+    """
+    return compose(load_document(path, overrides), seed, world, images, profile)
+
+
+def compose(
+    document: Document,
+    seed: int | None = None,
+    world: WorldKind = "pybullet",
+    images: bool = False,
+    profile: bool = False,
+    rulebook: Rulebook | None = None,
+) -> Setup:
+    """Read a scenario's rules and check it.
+
+    Args:
+        document: The scenario file.
+        seed: Instead of the scenario's.
+        world: Which simulator.
+        images: Whether camera images are recorded.
+        profile: Whether wall times are recorded.
+        rulebook: The rules, if they were read already; None for those that ship and the scenario's own.
+
+    Raises:
+        InputError: With every fault found.
+    """
+    if rulebook is None:
+        rulebook = rules_of(document)
+    scenario, goal = understood(document, rulebook)
+    return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, world, images, profile)
+
+
+def rules_of(document: Document) -> Rulebook:
+    """Return the rules that ship together with the scenario's own, if a run can follow them.
+
+    Raises:
+        InputError: With every fault in them.
+    """
+    own = [rules for rules in document.rules if rules.is_file()]
+    rulebook = Rulebook.load(Queries, own)
+    if own:  # of those that ship a test says that they are right
+        refuse_wrong(rulebook)
+    return rulebook
+
+
+def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
+    """Return the scenario of a document and its goal, read with some rules.
+
+    Raises:
+        InputError: With every fault found.
+    """
+    words = rulebook.vocabulary.words()
+
+    def faults(goal: str, names: Collection[str]) -> list[tuple[int, str]]:
+        found = goal_faults(goal, words, names)
+        if found:
+            return found
+        read = parse_goal(goal, words, names)
+        return [
+            (0, wrong) for wrong in misused(read, rulebook.vocabulary) + too_sure(read, EstimatorConfig().most_sure)
+        ]
+
+    scenario = check(document, rulebook.vocabulary.types, faults)
+    return scenario, parse_goal(scenario.goal, words, [item.id for item in scenario.belief.objects])
+
+
+def run_start(setup: Setup) -> RunStart:
+    """Return what a run is made of, as its trace begins."""
+    return RunStart(
+        scenario=setup.scenario.name,
+        scenario_sha256=hashlib.sha256(setup.document.effective_text().encode()).hexdigest(),
+        rules_sha256=setup.rulebook.sha256,
+        robot_sha256=_robot_sha256(setup.world),
+        world=setup.world,
+        seed=setup.seed,
+        goal=setup.scenario.goal,
+        limits=setup.scenario.limits,
+    )
+
+
+def _robot_sha256(world: WorldKind) -> str:
+    """Return the hash of the robot model's files; the symbolic robot has none."""
+    if world == "symbolic":
+        return ""
+    from skolem.sim.robot.assets import robot_sha256
+
+    return robot_sha256()
