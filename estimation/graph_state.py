@@ -1,11 +1,16 @@
-"""What the pose graph knows beside its log: the smoother, which variable stands for what, and who is in which hand."""
+"""What the pose graph knows beside its log: the smoother, which variable stands for what, and who is in which hand.
+
+Beside it stands the factor that ties a grasp to the base and to what is held.
+"""
 
 from copy import copy
 from dataclasses import dataclass, field
 from typing import Literal
 
 import gtsam
+import numpy as np
 
+from skolem.estimation.se2 import Matrix
 from skolem.traces.messages import Hand, Pose2, RobotState
 
 Factorization = Literal["CHOLESKY", "QR"]
@@ -71,3 +76,34 @@ def empty(factorization: Factorization = "CHOLESKY") -> State:
     parameters.findUnusedFactorSlots = True
     parameters.setFactorization(factorization)
     return State(gtsam.ISAM2(parameters))
+
+
+def grasp_factor(base: int, item: int, grasp: int, base_T_tool: Pose2, sds: tuple[float, float]) -> gtsam.CustomFactor:
+    """Return the factor base * base_T_tool * grasp = item, with an analytic Jacobian.
+
+    Args:
+        base: Key of world_T_base.
+        item: Key of world_T_object.
+        grasp: Key of tool_T_object.
+        base_T_tool: Exact.
+        sds: Of the object's motion in its own frame, metres and radians.
+    """
+    tool = gtsam.Pose2(*base_T_tool)
+
+    def error(_: gtsam.CustomFactor, values: gtsam.Values, jacobians: list[Matrix] | None) -> Matrix:
+        held = tool.compose(values.atPose2(grasp))
+        seen = values.atPose2(base).between(values.atPose2(item))
+        off = held.between(seen)
+        if jacobians is not None:
+            d = gtsam.Pose2.LogmapDerivative(off)
+            jacobians[0] = -d @ seen.inverse().AdjointMap()
+            jacobians[1] = d
+            jacobians[2] = -d @ off.inverse().AdjointMap()
+        return np.asarray(gtsam.Pose2.Logmap(off))
+
+    return gtsam.CustomFactor(diagonal(*sds), [base, item, grasp], error)
+
+
+def diagonal(sd_m: float, sd_rad: float) -> gtsam.noiseModel.Diagonal:
+    """Return the noise of a pose by the sds of its place and of its turn."""
+    return gtsam.noiseModel.Diagonal.Sigmas(np.array([sd_m, sd_m, sd_rad]))

@@ -35,7 +35,7 @@ from skolem.estimation.events import (
     Split,
     Weighed,
 )
-from skolem.estimation.graph_state import Grasp, empty
+from skolem.estimation.graph_state import Grasp, diagonal, empty, grasp_factor
 from skolem.estimation.se2 import (
     Matrix,
     Vector,
@@ -74,36 +74,6 @@ class Joint:
     def block(self, index: int) -> Matrix:
         """Return the marginal covariance of one pose, shape (3, 3)."""
         return self.covariance[3 * index : 3 * index + 3, 3 * index : 3 * index + 3]
-
-
-def grasp_factor(base: int, item: int, grasp: int, base_T_tool: Pose2, sds: tuple[float, float]) -> gtsam.CustomFactor:
-    """Return the factor base * base_T_tool * grasp = item, with an analytic Jacobian.
-
-    Args:
-        base: Key of world_T_base.
-        item: Key of world_T_object.
-        grasp: Key of tool_T_object.
-        base_T_tool: Exact.
-        sds: Of the object's motion in its own frame, metres and radians.
-    """
-    tool = gtsam.Pose2(*base_T_tool)
-
-    def error(_: gtsam.CustomFactor, values: gtsam.Values, jacobians: list[Matrix] | None) -> Matrix:
-        held = tool.compose(values.atPose2(grasp))
-        seen = values.atPose2(base).between(values.atPose2(item))
-        off = held.between(seen)
-        if jacobians is not None:
-            d = gtsam.Pose2.LogmapDerivative(off)
-            jacobians[0] = -d @ seen.inverse().AdjointMap()
-            jacobians[1] = d
-            jacobians[2] = -d @ off.inverse().AdjointMap()
-        return np.asarray(gtsam.Pose2.Logmap(off))
-
-    return gtsam.CustomFactor(_sds(sds[0], sds[1]), [base, item, grasp], error)
-
-
-def _sds(sd_m: float, sd_rad: float) -> gtsam.noiseModel.Diagonal:
-    return gtsam.noiseModel.Diagonal.Sigmas(np.array([sd_m, sd_m, sd_rad]))
 
 
 def _to_base(turn: float) -> Matrix:
@@ -197,11 +167,11 @@ class PoseGraph:
         prior = event.prior
         self._now.robot = prior.robot
         self._now.noise = (self._sd(prior.noise.grasp_sd_m), self._sd(prior.noise.grasp_sd_rad))
-        sds = {self._now.base: _sds(self._sd(prior.base_sd_xy_m), self._sd(prior.base_sd_theta_rad))}
+        sds = {self._now.base: diagonal(self._sd(prior.base_sd_xy_m), self._sd(prior.base_sd_theta_rad))}
         values = {self._now.base: prior.world_T_base}
         for item in prior.objects:
             key = self._introduce(item.anchor)
-            sds[key] = _sds(self._sd(item.sd_xy_m), self._sd(item.sd_theta_rad))
+            sds[key] = diagonal(self._sd(item.sd_xy_m), self._sd(item.sd_theta_rad))
             values[key] = flat(item.world_T_object)
         self._update([gtsam.PriorFactorPose2(key, gtsam.Pose2(*values[key]), sds[key]) for key in values], values)
 
@@ -209,7 +179,7 @@ class PoseGraph:
         start = self._now.base
         self._now.moves += 1
         end = gtsam.symbol("x", self._now.moves)
-        noise = _sds(self._sd(event.sd_m), self._sd(event.sd_rad))
+        noise = diagonal(self._sd(event.sd_m), self._sd(event.sd_rad))
         factor = gtsam.BetweenFactorPose2(start, end, gtsam.Pose2(*event.start_T_end), noise)
         self._update([factor], {end: compose(self._at(start), event.start_T_end)})
         self._now.base = end
@@ -235,7 +205,7 @@ class PoseGraph:
         item = self._key(event.anchor)
         self._now.picks += 1
         grasp = gtsam.symbol("g", self._now.picks)
-        planned, capture = flat(event.tool_T_object), _sds(self._config.capture_sd_m, self._config.capture_sd_rad)
+        planned, capture = flat(event.tool_T_object), diagonal(self._config.capture_sd_m, self._config.capture_sd_rad)
         base_T_tool = flat(event.base_T_tool)
         tool_T_object = between(base_T_tool, between(self._at(self._now.base), self._at(item)))
         factors = [
@@ -249,7 +219,7 @@ class PoseGraph:
         """Let an object have been moved about where it was."""
         before = self._key(anchor)
         after = self._next_epoch(anchor)
-        factor = gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(), _sds(sd_m, sd_rad))
+        factor = gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(), diagonal(sd_m, sd_rad))
         self._update([factor], {after: self._at(before)})
 
     def _place(self, event: Placed) -> None:
@@ -262,7 +232,7 @@ class PoseGraph:
     def _merge(self, event: Merged) -> None:
         into, other = self._key(event.anchor), self._key(event.other)
         turn = gtsam.Pose2(0.0, 0.0, event.turn)
-        self._update([gtsam.BetweenFactorPose2(into, other, turn, _sds(self._config.same_sd_m, event.sd_rad))], {})
+        self._update([gtsam.BetweenFactorPose2(into, other, turn, diagonal(self._config.same_sd_m, event.sd_rad))], {})
 
     def _consolidate(self, event: Consolidated) -> None:
         """Eliminate all variables but the present base, grasp and places of things."""

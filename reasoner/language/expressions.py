@@ -219,6 +219,13 @@ class Designated:
 Conjunct = Believed | Estimated | Designated
 
 
+def arguments_of(conjunct: Conjunct) -> tuple[Argument, ...]:
+    """Return what a conjunct is about."""
+    if not isinstance(conjunct, Believed):
+        return (conjunct.argument,)
+    return conjunct.phi.args if isinstance(conjunct.phi, Atom) else (conjunct.phi.argument,)
+
+
 @dataclass(frozen=True)
 class Goal:
     """Objects exist for which every conjunct is believed; the same object wherever the same variable stands."""

@@ -41,6 +41,7 @@ from skolem.reasoner.language.expressions import (
     Or,
     QuantityName,
     Variable,
+    arguments_of,
 )
 from skolem.reasoner.terms import ANY
 from skolem.traces.errors import Fault, InputError
@@ -123,7 +124,7 @@ class _Parser(Cursor):
                 self.complain(token, f"variable {token.text!r} is bound twice")
         self.variables = tuple(dict.fromkeys(token.text for token in binders))
         conjuncts = self.conjunction()
-        used = {argument for conjunct in conjuncts for argument in _arguments(conjunct)}
+        used = {argument for conjunct in conjuncts for argument in arguments_of(conjunct)}
         for token in binders:
             if Variable(token.text) not in used:
                 self.complain(token, f"variable {token.text!r} is never used")
@@ -386,13 +387,6 @@ class _Parser(Cursor):
         if not 0.0 < value < 1.0:
             self.complain(token, f"expected a probability between 0 and 1, both excluded, found {token.text}")
         return value
-
-
-def _arguments(conjunct: Conjunct) -> tuple[Argument, ...]:
-    """Return what a conjunct is about."""
-    if not isinstance(conjunct, Believed):
-        return (conjunct.argument,)
-    return conjunct.phi.args if isinstance(conjunct.phi, Atom) else (conjunct.phi.argument,)
 
 
 def _hint(wrong: str, known: Collection[str]) -> str:

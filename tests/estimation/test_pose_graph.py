@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Began, Event, Moved, Picked, PickFailed, Placed
-from skolem.estimation.pose_graph import BASE, PoseGraph, grasp_factor
+from skolem.estimation.graph_state import grasp_factor
+from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.se2 import compose, exp, flat, relative_jacobian, symmetric
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import (
