@@ -58,6 +58,15 @@ def test_two_anchors_in_one_place_are_one_object_that_keeps_the_first_name() -> 
     assert robot.belief.prob_exists("can2") == pytest.approx(0.99)
 
 
+def test_of_three_anchors_in_one_place_a_look_merges_two_and_the_next_look_the_third() -> None:
+    more = {"again": (0.952, 0.0, 0.0), "third": (0.948, 0.0, 0.0)}
+    robot = Robot(prior(CANS | more, sd_m=0.012))
+    for looks in (1, 2):
+        robot.look([detection(CANS["can2"])] * 3)
+        assert [change.kind for change in robot.belief.identity_changes()] == ["merged"] * looks
+        assert len(robot.belief.anchors()) == len(("table1", *CANS, *more)) - looks
+
+
 def test_object_of_two_anchors_is_known_as_well_as_by_both() -> None:
     merged, once = told_twice(0.01), Robot(prior(sd_m=0.012))
     sees_all(merged)

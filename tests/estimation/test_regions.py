@@ -99,6 +99,19 @@ def test_looks_never_lower_what_is_known_nor_raise_what_may_be_hidden() -> None:
     assert seen[1] < seen[2] < seen[3] == seen[4]
 
 
+def test_contents_are_unknown_while_a_thing_could_stand_anywhere_below_what_was_seen() -> None:
+    robot = Searcher(told())
+    frame = looking((0.1, 0.0, TOP + 0.12), (1.1, 0.0, TOP + 0.12))
+    view = depth_view(frame, [], frame)
+    half = len(view.depth_mm) // 2
+    wall_above_the_horizon = (4000,) * half + (0,) * half
+    robot.report(view.model_copy(update={"depth_mm": wall_above_the_horizon}))
+    believed = robot.belief.snapshot(0).regions[REGION]
+    assert max(z for x, y, z in believed.unseen_mm if abs(x) < 100 and abs(y) < 100) < 150  # half of the air is known
+    assert believed.hidden == 1.0
+    assert robot.belief.prob_contents(REGION) == 0.0
+
+
 @pytest.mark.parametrize("depth_mm", [0, 300])
 def test_pixels_without_return_and_what_the_own_arm_covers_prove_nothing(depth_mm: int) -> None:
     robot = Searcher(told())

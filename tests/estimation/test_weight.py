@@ -69,6 +69,21 @@ def test_chance_of_a_favourable_reading_agrees_with_weighing(past: tuple[float, 
     assert belief.prob_favourable(HEAVY, 0.9) == pytest.approx(lifted, abs=0.05)
 
 
+def test_beliefs_of_two_anchors_fuse_into_the_belief_after_all_readings() -> None:
+    readings = (0.2, 0.3, 0.7, 0.5)
+    one, other, both = PRIOR, PRIOR, PRIOR
+    for kg in readings[:3]:
+        one = one.updated(kg)
+    other = other.updated(readings[3])
+    for kg in readings:
+        both = both.updated(kg)
+    for fused in (one.fused(other), other.fused(one)):
+        assert fused.count == 4
+        assert fused.kg == pytest.approx(both.kg)
+        assert fused.prob(HEAVY) == pytest.approx(both.prob(HEAVY))
+    assert PRIOR.fused(PRIOR) == PRIOR
+
+
 def test_belief_that_cannot_be_lifted_has_no_favourable_reading() -> None:
     assert PRIOR.prob_favourable(WeightInterval(at_least_kg=1e6), 0.9) == 0.0
     assert PRIOR.prob_favourable(HEAVY, 0.0) == pytest.approx(1.0)

@@ -299,6 +299,21 @@ def test_the_model_of_the_noise_may_differ_from_the_noise(rulebook: Rulebook, tm
     assert (scenario.true_noise.message().found, told.noise.found) == (0.9, 0.5)
 
 
+def test_what_stands_on_a_table_that_the_robot_is_not_told_of_has_no_support_in_the_prior(
+    rulebook: Rulebook, tmp_path: Path
+) -> None:
+    lines = GREEN.read_text(encoding="utf-8").splitlines(keepends=True)
+    untold = [line for line in lines if "{id: table2, type: {table: 1.0}, like: world" not in line]
+    assert len(untold) == len(lines) - 1
+    scenario = read(rulebook, written(tmp_path, "".join(untold)))
+    told = prior(scenario, rulebook.vocabulary.types, 0, AT_START)
+    assert {item.anchor: item.support for item in told.objects if item.anchor.startswith("soda")} == {
+        "sodaE": "table1",
+        "sodaB": None,
+        "sodaC": "table3",
+    }
+
+
 def test_disturbances_move_things_before_their_step_alone(rulebook: Rulebook) -> None:
     scenario, types = read(rulebook, ROOT / "scenarios" / "sim1_moved.yaml"), rulebook.vocabulary.types
     step = scenario.disturbances[0].before_step
@@ -307,3 +322,4 @@ def test_disturbances_move_things_before_their_step_alone(rulebook: Rulebook) ->
     assert math.dist(world_T_object[:2], before[:2]) > 0.2
     assert world_T_object[2] == 0.68
     assert moves_before(scenario, types, step + 1) == ()
+    assert moves_before(scenario, types, step - 1) == ()

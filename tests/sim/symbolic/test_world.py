@@ -226,6 +226,16 @@ def test_a_pick_fails_if_the_object_is_more_than_3_cm_from_where_it_was_planned_
     )
 
 
+@pytest.mark.parametrize(
+    ("turn", "status"),
+    [(0.15, "done"), (-0.15, "done"), (math.pi - 0.15, "done"), (0.25, "failed"), (-0.25, "failed"), (1.57, "failed")],
+)
+def test_a_pick_of_a_box_fails_if_it_is_twisted_from_how_it_was_planned_to_stand(turn: float, status: str) -> None:
+    there = world(bodies=(*BODIES[:2], TrueBody("box", "carton", (1.05, 0.1, 0.68, turn), (0.33, 0.9, 0.8), 0.35)))
+    do(there, DRIVE)
+    assert do(there, picking(1.05, 0.1), 1)[0].status == status
+
+
 def test_what_is_held_goes_where_the_hand_goes_and_drops_onto_the_table_below() -> None:
     there = world()
     do(there, DRIVE)

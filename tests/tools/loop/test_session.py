@@ -13,7 +13,7 @@ from skolem.tools.run.running import summary
 from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
-from skolem.traces.messages import Action, Geometry, Plan, RunEnd, RunStart
+from skolem.traces.messages import Action, Geometry, Plan, RunEnd, RunStart, TrueState
 
 GREEN, MOVED = ROOT / "scenarios" / "sim1_green.yaml", ROOT / "scenarios" / "sim1_moved.yaml"
 
@@ -41,6 +41,16 @@ def test_an_object_moved_behind_the_robots_back_is_found_again_and_the_run_ends_
     assert outcome.verdict is not None
     assert (outcome.end.status, outcome.end.anchor) == ("goal_achieved", "_o1_")
     assert (outcome.verdict.true, outcome.verdict.witness) == (True, "sodaC")
+
+
+def test_an_object_is_moved_just_before_the_action_whose_number_the_scenario_gives(tmp_path: Path) -> None:
+    _, trace = ran(MOVED, tmp_path, "limits.steps=3", "disturbances.0.before_step=2")
+    places = [
+        next(item.world_T_object[:2] for item in state.objects if item.id == "sodaC") for state in trace.of(TrueState)
+    ]
+    before, after = places[0], places[-1]
+    assert before != after
+    assert places == [before, before, before, after]  # after 0, 1, 2 and 3 actions
 
 
 def test_every_message_stands_in_the_order_in_which_it_came_about(tmp_path: Path) -> None:

@@ -101,6 +101,16 @@ def test_tolerance_is_by_field_and_hashes_of_floats_are_ignored() -> None:
     assert not loose.allows("/obs.a.point[0]", 1.0, 1.9)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_relative_tolerance_is_a_share_of_the_larger_float_whichever_comes_first(sign: float) -> None:
+    half = Tolerance(rtol=0.5)
+    small, large, larger = sign * 1.0, sign * 2.0, sign * 2.1
+    assert half.allows("/obs.x", small, large)
+    assert half.allows("/obs.x", large, small)
+    assert not half.allows("/obs.x", small, larger)
+    assert not half.allows("/obs.x", larger, small)
+
+
 @pytest.mark.parametrize("tolerance", [tolerance_for("other machine"), EXACT.with_floats(1e-6, None)])
 def test_a_true_state_whose_floats_are_tolerated_agrees_whatever_their_hash(tolerance: Tolerance) -> None:
     a, b = (said("/truth/state", x=x, sha256=str(x)) for x in (1.0, 1.0 + 2e-16))
