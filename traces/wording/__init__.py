@@ -1,0 +1,1 @@
+"""Recorded terms put into words, for whoever prints or draws a run. May import: file."""

@@ -1,0 +1,101 @@
+"""Descriptions of a goal in words: `lambda x. Soda(x) & Green(x)` is the green soda.
+
+The goal is read as it was written. The reasoner's own parser is not asked: it needs the rules of the run, and an older
+run can still be put into words when they cannot be read any more.
+"""
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from skolem.traces.wording.amounts import listed, spaced
+
+_LAMBDA: Final = re.compile(r"\blambda\s+(\w+)\s*\.")
+_OF: Final = re.compile(r",\s*(\w+)\s*\)")
+_BOTH: Final = re.compile(r"(And|Or)\((.*),(.*)\)")
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """One description of a goal.
+
+    Attributes:
+        text: As the goal states it.
+        words: The properties that it names, in the words of the rules' constants, if it is nothing but these.
+        either: Whether one of them is enough.
+    """
+
+    text: str
+    words: tuple[str, ...] = ()
+    either: bool = False
+
+    def phrase(self, nouns: Collection[str]) -> str:
+        """Return what it describes: `the green thing`; the text itself in quotes if it says more than properties.
+
+        Args:
+            nouns: Which words name a type of things.
+        """
+        if not self.words:
+            return f'what "{self.text}" describes'
+        kinds = [word for word in self.words if word in nouns]
+        others = [spaced(word) for word in self.words if word not in nouns]
+        if self.either and len(self.words) > 1:
+            return f"the thing that is {' or '.join(predicate([word], nouns) for word in self.words)}"
+        if len(kinds) > 1:
+            return f"the thing that is {predicate(self.words, nouns)}"
+        return " ".join(["the", *others, *(map(spaced, kinds) if kinds else ["thing"])])
+
+
+def predicate(words: Sequence[str], nouns: Collection[str]) -> str:
+    """Return what something is that has some properties: `green and heavy`, `a heavy can`."""
+    kinds = [spaced(word) for word in words if word in nouns]
+    others = [spaced(word) for word in words if word not in nouns]
+    if not kinds:
+        return listed(others)
+    first, *rest = [" ".join([*others, kinds[0]]), *kinds[1:]]
+    return listed([_with_article(each) for each in (first, *rest)])
+
+
+def _with_article(name: str) -> str:
+    return f"{'an' if name[:1] in 'aeiou' else 'a'} {name}"
+
+
+def descriptions(goal: str) -> tuple[dict[str, Description], dict[str, str]]:
+    """Return the descriptions of a goal by their constants e1, e2, .., and which of them each variable or name has.
+
+    The constants number the different descriptions in order of appearance, as the reasoner does.
+    """
+    found: dict[object, str] = {}
+    named: dict[str, Description] = {}
+    of: dict[str, str] = {}
+    for text, variable, body, about in _lambdas(goal):
+        description = _description(text, variable, body)
+        key = (variable, description.words, description.either) if description.words else re.sub(r"\s", "", text)
+        constant = found.setdefault(key, f"e{len(found) + 1}")
+        named.setdefault(constant, description)
+        of.setdefault(about, constant)
+    return named, of
+
+
+def _lambdas(goal: str) -> Iterator[tuple[str, str, str, str]]:
+    """Yield each lambda with its variable, its body, and what it is to denote."""
+    for start in _LAMBDA.finditer(goal):
+        depth, end = 0, start.end()
+        while end < len(goal) and (depth or goal[end] not in ",)"):
+            depth += {"(": 1, ")": -1}.get(goal[end], 0)
+            end += 1
+        about = _OF.match(goal, end)
+        yield goal[start.start() : end].strip(), start[1], goal[start.end() : end], about[1] if about else ""
+
+
+def _description(text: str, variable: str, body: str) -> Description:
+    body = re.sub(r"\s", "", body)
+    both = _BOTH.fullmatch(body)
+    if both is not None:
+        body = f"{both[2]}{'&' if both[1] == 'And' else '|'}{both[3]}"
+    atoms = [re.fullmatch(rf"(\w+)\({variable}\)", part) for part in re.split(r"[&|]", body)]
+    if not all(atoms) or {"&", "|"} <= set(body):
+        return Description(text)
+    words = tuple(spaced(atom[1]).replace(" ", "_") for atom in atoms if atom is not None)
+    return Description(text, words, "|" in body)

@@ -1,0 +1,166 @@
+"""What a run records as people read it: fluents, operations, codes, and sentences with terms in them.
+
+A fluent such as `b(den(e1,sodaE),105361)` reads `P(sodaE is the green thing) >= .9`, an operation such as
+`Move(pick(left,sodaC))` reads `drive to pick sodaC with the left hand`. Rule files may bring fluents and operations of
+their own: these read as they are recorded. Nothing that is recorded changes: words are made when text is shown.
+"""
+
+from collections.abc import Iterable
+from typing import Final
+
+from skolem.traces.messages import Plan, PlanCause, RunEnd
+from skolem.traces.wording import activities, fluents
+from skolem.traces.wording.reasons import CAUSES, REFUSALS, RISKS, STATUSES, in_words
+from skolem.traces.wording.recorded import Recorded, read, within
+from skolem.traces.wording.things import Things
+
+DROPPED: Final[tuple[PlanCause, ...]] = ("preimage_lost", "refused")  # causes for which plans are given up
+
+
+class Wording:
+    """Everything as it is recorded: what `--raw` shows. `InWords` says the same in words."""
+
+    in_words = False
+
+    def fluent(self, text: str) -> str:
+        """Return a fluent."""
+        return text
+
+    def aim(self, texts: Iterable[str]) -> str:
+        """Return a conjunction of fluents."""
+        return " & ".join(map(self.fluent, texts))
+
+    def operation(self, text: str) -> str:
+        """Return an operation, an activity or a rule instance."""
+        return text
+
+    def described(self, expression: str) -> str:
+        """Return what the description of the goal with some constant describes."""
+        return expression
+
+    def meant(self, expression: str) -> str:
+        """Return the heading of the probabilities that objects are what a description denotes."""
+        return f"P(Den) of {expression}"
+
+    def sentence(self, text: str) -> str:
+        """Return a text in which there may be fluents and operations."""
+        return text
+
+    def cause(self, cause: PlanCause) -> str:
+        """Return why the plan stack changed."""
+        return cause
+
+    def refusal(self, code: str) -> str:
+        """Return why rules refuse a step."""
+        return code
+
+    def risk(self, code: str, p: float) -> str:
+        """Return what a step costs: what may go wrong, and the probability `p` that it does not."""
+        return f"cost: {code}, p = {p:.3f}"
+
+    def end(self, end: RunEnd) -> str:
+        """Return how a run ended."""
+        return f"{end.status}: {end.reason}"
+
+    def drop(self, plan: Plan) -> str:
+        """Return why plans were dropped; `plan` is the change of the stack that says so."""
+        return f"{plan.cause}: {', '.join(plan.false_fluents) or 'no step applies'}"
+
+
+class InWords(Wording):
+    """Everything in words."""
+
+    in_words = True
+
+    def __init__(self, things: Things) -> None:
+        """Take over what is known of the run."""
+        self._things = things
+
+    def fluent(self, text: str) -> str:
+        """Return a fluent as a clause: `P(sodaE is the green thing) >= .9`."""
+        term = read(text)
+        return text if term is None else fluents.clause(self._things, term)
+
+    def aim(self, texts: Iterable[str]) -> str:
+        """Return a conjunction of fluents, said of some object if the goal's variables stand in it."""
+        found = tuple(texts)
+        head = "for some object o: " if any("var(o)" in text.replace("sk(var(o))", "") for text in found) else ""
+        return head + " and ".join(map(self.fluent, found))
+
+    def operation(self, text: str) -> str:
+        """Return an operation as an infinitive: `look at sodaE`."""
+        term = read(text)
+        return text if term is None else activities.do(self._things, term)
+
+    def described(self, expression: str) -> str:
+        """Return what a description describes: `the green thing`."""
+        return self._things.described(Recorded(expression))
+
+    def meant(self, expression: str) -> str:
+        """Return the heading of the probabilities that objects are what a description denotes."""
+        return f"P(it is {self.described(expression)})"
+
+    def sentence(self, text: str) -> str:
+        """Return a text with the fluents and operations in it in words; what speaks of rules stays as it is."""
+        parts, end = list[str](), 0
+        for start, after in within(text):
+            parts += [text[end:start], self._term(text[start:after])]
+            end = after
+        return "".join([*parts, text[end:]])
+
+    def _term(self, text: str) -> str:
+        term = read(text)
+        if term is None or _is_pattern(term):
+            return text
+        if fluents.known(term):
+            return fluents.clause(self._things, term)
+        return activities.do(self._things, term) if activities.verb(term) else text
+
+    def cause(self, cause: PlanCause) -> str:
+        """Return why the plan stack changed."""
+        return CAUSES[cause]
+
+    def refusal(self, code: str) -> str:
+        """Return why rules refuse a step: `no hand can grasp it`."""
+        return self.sentence(in_words(code, REFUSALS))
+
+    def risk(self, code: str, p: float) -> str:
+        """Return what may go wrong, and with which probability it does not."""
+        term = read(code)
+        match term:
+            case Recorded("missed", (thing,)):
+                said = f"{self._things.name(thing)} is not detected"
+            case _:
+                said = in_words(code, RISKS)
+        return f"goes well with p = {p:.3f}; the risk: {said}"
+
+    def end(self, end: RunEnd) -> str:
+        """Return how a run ended."""
+        return f"{STATUSES[end.status]}: {self.sentence(end.reason)}"
+
+    def drop(self, plan: Plan) -> str:
+        """Return why plans were dropped: `P(sodaE is the green thing) >= .9 is no longer believed`."""
+        if plan.cause == "refused":
+            step, *lacking = map(self._refused, plan.false_fluents)
+            return f"cannot be done here: {step}{', which needs that ' if lacking else ''}{' and '.join(lacking)}"
+        told = fluents.weakest((text, read(text)) for text in plan.false_fluents)
+        if not told:
+            return "no step of the plan can be taken any more"
+        said = [self.fluent(text) for text in told]
+        if all(text.startswith("P(") for text in said):
+            return f"{' and '.join(said)} {'is' if len(said) == 1 else 'are'} no longer believed"
+        return f"no longer so: {'; '.join(said)}"
+
+    def _refused(self, text: str) -> str:
+        term = read(text)
+        if term is not None and fluents.known(term):
+            return fluents.clause(self._things, term)
+        return self.operation(text)
+
+
+def _is_pattern(term: Recorded) -> bool:
+    """Return whether a term has variables of the rules in it: then it is said of rules, not of the run."""
+    return (not term.args and term.name[:1].isupper()) or any(map(_is_pattern, term.args))
+
+
+AS_RECORDED: Final = Wording()
