@@ -13,8 +13,7 @@ from benchmarks.detector_scenes import CLUTTER_M, STOOD_APART_M, Scene, Thing, c
 from benchmarks.headings import least_turn
 from benchmarks.tables import Table, Target
 from skolem.estimation.se2 import symmetric
-from skolem.reasoner.planning.queries import Queries
-from skolem.reasoner.rulebook.book import Rulebook
+from skolem.reasoner.planning.queries import load_rules
 from skolem.sim.detector.detect import detect
 from skolem.sim.detector.likelihood import HEIGHT_SD_PER_M2, OUTLINE_SD_PER_M2
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
@@ -107,7 +106,7 @@ def scenes(types: dict[str, ObjectType], alike: dict[str, ObjectType]) -> Iterat
 
 def measured() -> dict[str, Tally]:
     """Return what came of each condition, in order."""
-    types = Rulebook.load(Queries, []).vocabulary.types
+    types = load_rules().vocabulary.types
     graspable = {name: kind for name, kind in sorted(types.items()) if kind.graspable}
     tallies: dict[str, Tally] = {}
     for scene, known in scenes(graspable, look_alikes()):

@@ -17,7 +17,7 @@ from benchmarks import pddl
 from benchmarks.agents import Thinking, first_action, whole_run
 from benchmarks.problems import State, problem
 from benchmarks.tables import Table, Target
-from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.queries import load_rules
 from skolem.reasoner.rulebook.book import Rulebook
 
 SIZES = (3, 10, 30, 100, 300)
@@ -141,7 +141,7 @@ class Compared:
 
 def tables() -> tuple[Table, Table]:
     """Return the tables of times and of costs."""
-    rulebook = Rulebook.load(Queries)
+    rulebook = load_rules()
     whole_run(problem(3, "a", 0), rulebook)
     found = [_compared(n, state, rulebook) for n in SIZES for state in ("a", "b")]
     return _time_table(found), _cost_table(found)

@@ -19,7 +19,7 @@ from skolem.reasoner.language.parser import parse_goal
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import PosedGoal, read_mutexes
 from skolem.reasoner.planning.offers import RuleOffers
-from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.queries import Queries, load_rules
 from skolem.reasoner.rulebook.asking import Asked
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Term, from_symbol, parse_term
@@ -274,5 +274,5 @@ def _profile(work: Callable[[], object]) -> str:
 
 def tables() -> list[Table]:
     """Return every table of the reasoner alone."""
-    rulebook = Rulebook.load(Queries)
+    rulebook = load_rules()
     return [step(rulebook), first_actions(rulebook)]

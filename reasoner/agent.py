@@ -23,7 +23,7 @@ from skolem.traces.messages import (
     Command,
     Decision,
     Denotation,
-    Limits,
+    Limits as Limits,
     Memory,
     Plan,
     PlanCause,

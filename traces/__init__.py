@@ -1,1 +1,5 @@
 """Recorded runs: the messages that cross borders, and writing and reading them as MCAP."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

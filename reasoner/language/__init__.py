@@ -1,1 +1,3 @@
 """Goals and descriptions, as text and as values. May import: terms."""
+
+__all__ = ()

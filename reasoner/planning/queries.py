@@ -5,12 +5,14 @@ integer micro-nats, no answer is an empty list.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import Final
 
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.situation import Situation, hand_named, quantity_named
+from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Compound, Term, nll, prob
 from skolem.traces.messages import TypeIs
 
@@ -181,3 +183,16 @@ class Queries:
 
     def _den(self, expression: str, anchor: str) -> float:
         return self._now.probability(Compound("den", (expression, anchor)))
+
+
+def load_rules(extra: Sequence[Path] = (), folder: Path | None = None) -> Rulebook:
+    """Return the rules that ship with the product and those of the user, with `Queries` as their @functions.
+
+    Args:
+        extra: A user's own rule files.
+        folder: Holds the rule files to be used instead of those that ship; None for those.
+
+    Raises:
+        InputError: With every fault in every file.
+    """
+    return Rulebook.load(Queries, extra, folder)

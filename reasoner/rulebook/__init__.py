@@ -1,1 +1,3 @@
 """Rule files: read, judged, and asked through clingo. May import: language."""
+
+__all__ = ()

@@ -1,1 +1,3 @@
 """From a depth picture to detections. May import: space, truth."""
+
+__all__ = ()

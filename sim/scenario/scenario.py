@@ -7,7 +7,8 @@ they find.
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
@@ -38,6 +39,7 @@ __all__ = [
     "Scenario",
     "check",
     "load_document",
+    "load_scenario",
     "moves_before",
     "prior",
     "read_document",
@@ -51,6 +53,28 @@ GoalFaults = Callable[[str, frozenset[str]], list[tuple[int, str]]]
 TABLE_HSV = (0.083, 0.46, 0.65)  # wood, of what the scenario gives no colour
 TABLE_KG = 30.0
 PRIOR_STREAM = 100  # beside the numbers of skolem.sim.truth.noise.Purpose
+
+
+def _unread(goal: str, names: frozenset[str]) -> list[tuple[int, str]]:
+    """Find no fault in a goal: what it may say is known to the reasoner alone."""
+    return []
+
+
+def load_scenario(
+    path: Path, types: Types, overrides: Sequence[str] = (), goal_faults: GoalFaults = _unread
+) -> Scenario:
+    """Return the scenario in a file.
+
+    Args:
+        path: The file.
+        types: Every object type the rules know.
+        overrides: Changed values, each `a.b=value`.
+        goal_faults: As for `check`; by default the goal is not judged.
+
+    Raises:
+        InputError: With every fault of the file.
+    """
+    return check(load_document(path, overrides), types, goal_faults)
 
 
 def check(document: Document, types: Types, goal_faults: GoalFaults) -> Scenario:

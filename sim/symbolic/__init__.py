@@ -2,3 +2,5 @@
 
 May import: the world (`world`) detector and truth; the geometry (all other files) space and robot, never truth.
 """
+
+__all__ = ()

@@ -1,1 +1,3 @@
 """The verb `explain`. May import: loop, recorded, words, reasoner.planning."""
+
+__all__ = ()

@@ -11,7 +11,7 @@ from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.divergences import divergence_lines
 from skolem.tools.words.live import Silence
 from skolem.tools.words.trace_account import account
-from skolem.traces.compare.diff import by_step, compare, tolerance_for
+from skolem.traces.compare.diff import compare, tolerance_for
 from skolem.traces.compare.golden import (
     MAX_BYTES,
     Golden,
@@ -113,8 +113,7 @@ def _up_to_date(path: Path) -> bool:
 def _difference(old: Path, new: Path) -> Iterator[str]:
     """Yield how two traces differ: where they part, and how often each field differs."""
     try:
-        groups = by_step(Trace(old).messages())
-        comparison = compare(groups, by_step(Trace(new).messages()), tolerance_for("equal machine"))
+        comparison = compare(Trace(old), Trace(new), tolerance_for("equal machine"))
     except TraceError as error:
         yield f"the old one cannot be read: {error}"
         return

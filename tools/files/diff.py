@@ -1,7 +1,7 @@
 """The verb `diff`."""
 
 import json as json_format
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -10,10 +10,10 @@ import typer
 
 from skolem.tools.recorded.divergences import comparison_fields, divergence_lines
 from skolem.traces.compare.decided import DECIDED, parting
-from skolem.traces.compare.diff import Divergence, Tolerance, by_step, compare
+from skolem.traces.compare.diff import NOT_TIMED, Divergence, Tolerance, compare, steps_of
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.file.reader import Recorded, Trace
-from skolem.traces.messages import CLASS_OF, PERF
+from skolem.traces.file.reader import Trace
+from skolem.traces.messages import CLASS_OF
 from skolem.traces.printable import printable
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -37,15 +37,15 @@ def diff(
 
     Exit status: 0 they agree, 1 they do not, 2 bad input, 3 a trace cannot be read.
     """
-    topics = frozenset(topic or (name for name, kind in CLASS_OF.items() if kind != PERF))
+    topics = frozenset(topic or NOT_TIMED)
     if unknown := sorted(topics - CLASS_OF.keys()):
         raise InputError([Fault("--topic", 0, 0, f"no topic {unknown[0]}; there are: {', '.join(CLASS_OF)}")])
     one, other = Trace(a), Trace(b)
     _refuse_absent(topic or [], one, other)
     tolerance = Tolerance().with_floats(atol or None, rtol or None)
-    comparison = compare(_steps(one, topics), _steps(other, topics), tolerance, all_)
+    comparison = compare(one, other, tolerance, all_, topics)
     decided = topics & DECIDED.keys()
-    parted = parting(_steps(one, decided), _steps(other, decided)) if decided and not comparison.identical else None
+    parted = parting(steps_of(one, decided), steps_of(other, decided)) if decided and not comparison.identical else None
     attached = sorted(one.attachments.keys() | other.attachments.keys())
     changed = [name for name in attached if one.attachments.get(name) != other.attachments.get(name)]
     if json:
@@ -78,9 +78,3 @@ def _refuse_absent(topics: Collection[str], one: Trace, other: Trace) -> None:
     ]
     if faults:
         raise InputError(faults)
-
-
-def _steps(trace: Trace, topics: frozenset[str]) -> Iterator[list[Recorded]]:
-    """Yield the messages of `topics`, step by step."""
-    for group in by_step(trace.messages(*topics, "/belief")):
-        yield [message for message in group if message.topic in topics]

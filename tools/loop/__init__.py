@@ -2,3 +2,7 @@
 
 May import: the folders below, and nothing of tools.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

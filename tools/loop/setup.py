@@ -9,7 +9,7 @@ from skolem.estimation.config import EstimatorConfig
 from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.language.parser import goal_faults, parse_goal
 from skolem.reasoner.lint.wrong_rules import refuse_wrong
-from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.queries import load_rules
 from skolem.reasoner.planning.relations import misused, too_sure
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import Document, Scenario, check, load_document
@@ -97,7 +97,7 @@ def rules_of(document: Document) -> Rulebook:
         InputError: With every fault in them.
     """
     own = [rules for rules in document.rules if rules.is_file()]
-    rulebook = Rulebook.load(Queries, own)
+    rulebook = load_rules(own)
     if own:  # of those that ship a test says that they are right
         refuse_wrong(rulebook)
     return rulebook

@@ -1,1 +1,3 @@
 """The verbs `replay` and `reproduce`. May import: loop, recorded, words."""
+
+__all__ = ()

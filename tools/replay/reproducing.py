@@ -10,13 +10,11 @@ from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.replaying import other_end
 from skolem.tools.recorded.rules import rulebook_of
 from skolem.tools.recorded.run import CUT_SHORT, check_made_of
-from skolem.traces.compare.diff import Comparison, Tolerance, by_step
+from skolem.traces.compare.diff import NOT_TIMED, Comparison, Tolerance, by_step
 from skolem.traces.errors import TraceError
 from skolem.traces.file.made_of import SCENARIO
 from skolem.traces.file.reader import Recorded, Trace
-from skolem.traces.messages import CLASS_OF, PERF, RunEnd, RunStart
-
-COMPARED = tuple(topic for topic, kind in CLASS_OF.items() if kind != PERF)
+from skolem.traces.messages import RunEnd, RunStart
 
 
 def setup_in(trace: Trace) -> Setup:
@@ -65,7 +63,7 @@ def end_of_again(old: Trace, new: Trace) -> str:
 
 def _pairs(old: Trace, new: Trace, cut_short: bool) -> Iterator[tuple[Sequence[Recorded], Sequence[Recorded]]]:
     """Yield the messages of both runs, step by step, and nothing of the new one after a record that was cut short."""
-    ours, theirs = by_step(old.messages(*COMPARED)), by_step(new.messages(*COMPARED))
+    ours, theirs = by_step(old.messages(*NOT_TIMED)), by_step(new.messages(*NOT_TIMED))
     group = next(ours)
     while True:
         following = next(ours, None)

@@ -1,1 +1,3 @@
 """The verbs `rules` and `scenario`. May import: loop, recorded, words."""
+
+__all__ = ()

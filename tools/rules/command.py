@@ -107,10 +107,9 @@ def _load(paths: Sequence[Path]) -> "Rulebook":
     Raises:
         InputError: With every fault in them.
     """
-    from skolem.reasoner.planning.queries import Queries
-    from skolem.reasoner.rulebook.book import Rulebook
+    from skolem.reasoner import load_rules
 
-    return Rulebook.load(Queries, *_meant(paths))
+    return load_rules(*_meant(paths))
 
 
 def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:

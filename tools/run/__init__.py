@@ -1,1 +1,3 @@
 """The verb `run`. May import: loop, recorded, words."""
+
+__all__ = ()

@@ -1,1 +1,3 @@
 """The verbs `show` and `info`. May import: loop, recorded, words."""
+
+__all__ = ()

@@ -1,1 +1,3 @@
 """The verb `sweep`: many runs, and their tables. May import: loop, recorded, words."""
+
+__all__ = ()

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.queries import load_rules
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import load_document
 from skolem.tools.loop.session import Outcome, run
@@ -143,7 +143,7 @@ def perform(task: Task, folder: Path) -> Finished:
 @cache
 def _shipped() -> Rulebook:
     """Return the rules that ship: to read them is half of a symbolic run, so a worker does it once."""
-    return Rulebook.load(Queries)
+    return load_rules()
 
 
 def _setup(task: Task, folder: Path) -> Setup:

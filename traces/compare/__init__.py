@@ -1,1 +1,3 @@
 """Two runs compared, and golden runs. May import: file."""
+
+__all__ = ()

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
-from skolem.traces.compare.diff import Divergence, Tolerance, compare, fields_of
+from skolem.traces.compare.diff import Divergence, Tolerance, compare_steps, fields_of
 from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import canonical
 
@@ -20,7 +20,7 @@ def parting(one: Iterable[Sequence[Recorded]], other: Iterable[Sequence[Recorded
 
     Within a step what is done counts before how it was found.
     """
-    comparison = compare(map(_decided, one), map(_decided, other), Tolerance())
+    comparison = compare_steps(map(_decided, one), map(_decided, other), Tolerance())
     return next(iter(comparison.divergences), None)
 
 

@@ -10,7 +10,7 @@ import json
 import re
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
@@ -19,12 +19,13 @@ from itertools import zip_longest
 from typing import Any, Literal
 
 from skolem.traces.file.codec import decode
-from skolem.traces.file.reader import Recorded
-from skolem.traces.messages import JSON_TOPICS
+from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.messages import CLASS_OF, JSON_TOPICS, PERF
 
 Kind = Literal["value", "order", "length"]
 ABSENT = "(absent)"
 SHOWN = 60  # characters of a value in a report
+NOT_TIMED = tuple(topic for topic, kind in CLASS_OF.items() if kind != PERF)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,7 @@ class Tolerance:
     @property
     def is_exact(self) -> bool:
         """Whether nothing may differ."""
-        return self == Tolerance()
+        return self == EXACT
 
     def with_floats(self, atol: float | None, rtol: float | None) -> "Tolerance":
         """Return the tolerance with other bounds for every float, if one is given, and without hashes of floats."""
@@ -62,6 +63,9 @@ class Tolerance:
         if not (atol or rtol):
             return repr(a) == repr(b)  # 0.0 == -0.0, but they are other bytes
         return abs(a - b) <= max(atol, rtol * max(abs(a), abs(b)))
+
+
+EXACT = Tolerance()
 
 
 @cache
@@ -230,6 +234,34 @@ class Comparison:
 
 
 def compare(
+    expected: Trace,
+    got: Trace,
+    tolerance: Tolerance = EXACT,
+    keep_all: bool = False,
+    topics: Collection[str] = NOT_TIMED,
+) -> Comparison:
+    """Return how two recorded runs compare, step by step.
+
+    Args:
+        expected: The first run.
+        got: The second.
+        tolerance: How far floats may lie apart; by default every byte counts.
+        keep_all: Whether every divergence is kept; by default only the first is.
+        topics: What is compared; by default everything but wall times.
+
+    Raises:
+        TraceError: If a trace cannot be read.
+    """
+    return compare_steps(steps_of(expected, topics), steps_of(got, topics), tolerance, keep_all)
+
+
+def steps_of(trace: Trace, topics: Collection[str]) -> Iterator[list[Recorded]]:
+    """Yield the messages of some topics: those before the first decision, then those of each step."""
+    for group in by_step(trace.messages(*topics, "/belief")):
+        yield [message for message in group if message.topic in topics]
+
+
+def compare_steps(
     expected: Iterable[Sequence[Recorded]],
     got: Iterable[Sequence[Recorded]],
     tolerance: Tolerance,

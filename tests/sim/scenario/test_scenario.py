@@ -13,8 +13,8 @@ from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.document import MAX_BYTES
 from skolem.sim.scenario.scenario import (
     Scenario,
-    check,
     load_document,
+    load_scenario,
     moves_before,
     prior,
     schema_text,
@@ -36,8 +36,8 @@ def rulebook() -> Rulebook:
 
 def read(rulebook: Rulebook, path: Path, *overrides: str) -> Scenario:
     words = rulebook.vocabulary.words()
-    document = load_document(path, overrides)
-    return check(document, rulebook.vocabulary.types, lambda goal, names: goal_faults(goal, words, names))
+    types = rulebook.vocabulary.types
+    return load_scenario(path, types, overrides, lambda goal, names: goal_faults(goal, words, names))
 
 
 def written(folder: Path, text: str) -> Path:

@@ -12,7 +12,7 @@ from kit.recordings import recorded, rewritten, unchanged
 
 from skolem.tools import cli
 from skolem.traces.compare.decided import parting
-from skolem.traces.compare.diff import Change, Comparison, Tolerance, by_step, compare, tolerance_for
+from skolem.traces.compare.diff import Change, Comparison, Tolerance, by_step, compare_steps, tolerance_for
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import CLASS_OF, Action, Belief, Message, RunEnd
 
@@ -25,7 +25,7 @@ def said(topic: str, tick: int = 0, **fields: object) -> Recorded:
 
 
 def compared(expected: list[Recorded], got: list[Recorded], tolerance: Tolerance = EXACT) -> Comparison:
-    return compare([expected], [got], tolerance, keep_all=True)
+    return compare_steps([expected], [got], tolerance, keep_all=True)
 
 
 def test_equal_runs_have_no_difference() -> None:

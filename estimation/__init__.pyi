@@ -1,0 +1,2 @@
+from .belief import Belief as Belief
+from .config import EstimatorConfig as EstimatorConfig
