@@ -13,7 +13,6 @@ from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Looked
 from skolem.estimation.se2 import between, compose, exp
 from skolem.sim.detector.detect import pose_covariance
-from skolem.sim.symbolic.arm import CARRY
 from skolem.sim.symbolic.view import Solid, camera, depth_view
 from skolem.traces.messages import (
     Action,
@@ -30,6 +29,7 @@ from skolem.traces.messages import (
     PriorObject,
     RobotState,
 )
+from skolem.traces.messages.arm import CARRY
 
 Array = NDArray[np.float64]
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True)

@@ -12,8 +12,9 @@ from filterpy.kalman import MerweScaledSigmaPoints, UnscentedKalmanFilter
 from numpy.typing import NDArray
 
 from skolem.estimation.events import Began, Event, Looked, Moved, Sighting
-from skolem.estimation.se2 import Matrix, flat, symmetric
+from skolem.estimation.se2 import Matrix, symmetric
 from skolem.traces.messages import Pose2
+from skolem.traces.messages.poses import flat
 
 Array = NDArray[np.float64]
 

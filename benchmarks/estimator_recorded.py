@@ -15,7 +15,7 @@ from benchmarks.estimator_scores import errors
 from benchmarks.headings import least_turn
 from skolem.estimation.belief import Belief
 from skolem.estimation.events import Began, Event
-from skolem.estimation.se2 import Matrix, between, flat, log as tangent
+from skolem.estimation.se2 import Matrix, between, log as tangent
 from skolem.sim.physics.pybullet import PyBulletWorld
 from skolem.sim.scenario.scenario import prior, true_bodies
 from skolem.sim.symbolic.view import head_towards
@@ -38,6 +38,7 @@ from skolem.traces.messages import (
     TrueState,
 )
 from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.messages.poses import flat
 
 Array = NDArray[np.float64]
 TOUR_LOOKS, TOP_M = 6, 0.68  # each after a drive; the height looked at

@@ -1,8 +1,4 @@
-"""Where the PR2's hands are, by its exact encoders: forward kinematics of both arms.
-
-Link offsets are those of the published PR2 model: shoulder at (-0.05, +-0.188, 0.739675) above `base_link`, which is
-0.051 m above the floor; upper arm 0.4 m, forearm 0.321 m, hand frame 0.18 m beyond the wrist.
-"""
+"""Where the PR2's hands are, by its exact encoders: forward kinematics of both arms."""
 
 import math
 
@@ -10,10 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.traces.messages import Hand, Pose2, RobotState
-
-SHOULDER_X_M, SHOULDER_Y_M, SHOULDER_Z_M = -0.05, 0.188, 0.051 + 0.739675
-# (joint axis, distance to the next joint along x, metres), from the shoulder's pan to the wrist's roll
-CHAIN = (("z", 0.1), ("y", 0.0), ("x", 0.4), ("y", 0.0), ("x", 0.321), ("y", 0.0), ("x", 0.18))
+from skolem.traces.messages.arm import CHAIN, shoulder
 
 
 def base_T_tool(robot: RobotState, hand: Hand) -> NDArray[np.float64]:
@@ -28,9 +21,8 @@ def joints_base(robot: RobotState, hand: Hand) -> NDArray[np.float64]:
 
 def _frames(robot: RobotState, hand: Hand) -> list[NDArray[np.float64]]:
     """Return the frames of the shoulder and of the ends of all links, each of shape (4, 4), base frame."""
-    side = -1.0 if hand == "right" else 1.0
     pose = np.eye(4)
-    pose[:3, 3] = (SHOULDER_X_M, side * SHOULDER_Y_M, SHOULDER_Z_M + robot.torso)
+    pose[:3, 3] = shoulder(hand, robot.torso)
     angles = robot.right_arm if hand == "right" else robot.left_arm
     frames = [pose]
     for (axis, length), angle in zip(CHAIN, angles, strict=True):

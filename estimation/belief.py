@@ -21,7 +21,7 @@ from skolem.estimation.identity import Identity
 from skolem.estimation.looking import Look
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
 from skolem.estimation.regions import Regions
-from skolem.estimation.se2 import Matrix, Vector, raised, turned, upper
+from skolem.estimation.se2 import Matrix, Vector, turned, upper
 from skolem.estimation.tracks import Track, Tracks
 from skolem.estimation.visibility import outline_radius
 from skolem.estimation.weight import WeightBelief
@@ -39,6 +39,7 @@ from skolem.traces.messages import (
     Quantity,
     TypeIs,
 )
+from skolem.traces.messages.poses import raised
 
 # Equal beliefs give equal answers, and one event leaves most objects as they were.
 _MEMORY: Final = 4096

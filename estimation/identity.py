@@ -15,9 +15,10 @@ from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Looked, Merged, Split
 from skolem.estimation.fluents import disc, prob_in_polygon
 from skolem.estimation.pose_graph import BASE, PoseGraph
-from skolem.estimation.se2 import Matrix, Vector, flat, symmetric, turned
+from skolem.estimation.se2 import Matrix, Vector, symmetric, turned
 from skolem.estimation.tracks import Tracks
 from skolem.traces.messages import Detection, ObjectType
+from skolem.traces.messages.poses import flat
 
 
 @dataclass(frozen=True, slots=True)

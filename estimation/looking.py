@@ -16,11 +16,12 @@ from skolem.estimation.identity import overlap
 from skolem.estimation.joint_association import Pair, Scene, assign_jointly, is_ambiguous
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.regions import Regions
-from skolem.estimation.se2 import Matrix, between, flat, symmetric, turned, upper
+from skolem.estimation.se2 import Matrix, between, symmetric, turned, upper
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import near_arms
 from skolem.estimation.visibility import outline_radius, prob_visible_and_solid, shows_behind
 from skolem.traces.messages import Detection, NoiseModel, ObjectType, Observation, Pose2
+from skolem.traces.messages.poses import flat
 
 LIKELY = 0.5  # a new object stands on the table that more likely than not is under it
 

@@ -36,20 +36,10 @@ from skolem.estimation.events import (
     Weighed,
 )
 from skolem.estimation.graph_state import Grasp, diagonal, empty, grasp_factor
-from skolem.estimation.se2 import (
-    Matrix,
-    Vector,
-    adjoint,
-    between,
-    compose,
-    flat,
-    inverse,
-    raised,
-    relative_jacobian,
-    symmetric,
-)
+from skolem.estimation.se2 import Matrix, Vector, adjoint, between, compose, inverse, relative_jacobian, symmetric
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
+from skolem.traces.messages.poses import flat, raised
 
 BASE = "base"
 INDETERMINATE = "Indeterminate linear system"  # as GTSAM says it

@@ -17,12 +17,12 @@ from skolem.estimation.coverage import Array, Coverage, Grid, Mask
 from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.events import Began, Event, Looked
 from skolem.estimation.pose_graph import BASE, PoseGraph
-from skolem.estimation.se2 import raised
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import Unexplained, near_arms
 from skolem.estimation.visibility import prob_visible
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import ObjectType, Pose2, Pose4, PriorRegion, RegionBelief, RobotState
+from skolem.traces.messages.poses import raised
 
 EXACTLY = np.zeros((3, 3))  # the covariance of a place that is given
 

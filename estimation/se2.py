@@ -1,4 +1,4 @@
-"""The plane's rigid motions: Pose2 (x, y, theta) as a group, its tangent space, and covariances in it.
+"""The tangent space of the plane's rigid motions, Pose2 (x, y, theta), and covariances in it.
 
 `compose(a_T_b, b_T_c)` is `a_T_c`. Tangent vectors are (x, y, theta) in the frame of the pose they are attached to, and
 a pose with tangent v stands for `compose(pose, exp(v))`, as in GTSAM.
@@ -9,30 +9,22 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.traces.messages import Pose2, Pose4
+from skolem.traces.messages import Pose2
+from skolem.traces.messages.poses import compose2, inverse2, nearest_turn
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Upper = tuple[float, float, float, float, float, float]
 
 
-def wrap(angle: float) -> float:
-    """Return the angle in [-pi, pi]."""
-    return math.remainder(angle, math.tau)
-
-
 def compose(a_T_b: Pose2, b_T_c: Pose2) -> Pose2:
-    """Return a_T_c."""
-    x, y, theta = a_T_b
-    c, s = math.cos(theta), math.sin(theta)
-    return (x + c * b_T_c[0] - s * b_T_c[1], y + s * b_T_c[0] + c * b_T_c[1], wrap(theta + b_T_c[2]))
+    """Return a_T_c, its angle in [-pi, pi]."""
+    return compose2(a_T_b, b_T_c, nearest_turn)
 
 
 def inverse(a_T_b: Pose2) -> Pose2:
-    """Return b_T_a."""
-    x, y, theta = a_T_b
-    c, s = math.cos(theta), math.sin(theta)
-    return (-c * x - s * y, s * x - c * y, -theta)
+    """Return b_T_a, its angle in [-pi, pi]."""
+    return inverse2(a_T_b, nearest_turn)
 
 
 def between(w_T_a: Pose2, w_T_b: Pose2) -> Pose2:
@@ -44,12 +36,12 @@ def exp(tangent: Vector) -> Pose2:
     """Return the pose reached by moving along `tangent`, shape (3,), for one unit of time."""
     x, y, turn = (float(v) for v in tangent)
     a, b = _arc(turn)
-    return (a * x - b * y, b * x + a * y, wrap(turn))
+    return (a * x - b * y, b * x + a * y, nearest_turn(turn))
 
 
 def log(pose: Pose2) -> Vector:
     """Return the tangent, shape (3,), whose `exp` is `pose`."""
-    turn = wrap(pose[2])
+    turn = nearest_turn(pose[2])
     a, b = _arc(turn)
     d = a * a + b * b
     return np.array([(a * pose[0] + b * pose[1]) / d, (a * pose[1] - b * pose[0]) / d, turn])
@@ -83,16 +75,6 @@ def symmetric(upper_triangle: Upper) -> Matrix:
     """Return the symmetric 3x3 matrix with that upper triangle."""
     a, b, c, d, e, f = upper_triangle
     return np.array([[a, b, c], [b, d, e], [c, e, f]])
-
-
-def flat(pose: Pose4) -> Pose2:
-    """Drop the height."""
-    return (pose[0], pose[1], pose[3])
-
-
-def raised(pose: Pose2, z: float) -> Pose4:
-    """Add a height; plain floats without negative zeros."""
-    return (pose[0] + 0.0, pose[1] + 0.0, z + 0.0, pose[2] + 0.0)
 
 
 def _arc(turn: float) -> tuple[float, float]:

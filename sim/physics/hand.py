@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skolem.sim.physics.world import Grasp, World
 from skolem.sim.robot.bullet import p
-from skolem.sim.robot.poses import rotation
+from skolem.sim.robot.rotations import rotation
 from skolem.traces.messages import GRAVITY, Hand
 
 GRASP_FORCE = 500.0  # N, the most the constraint bears

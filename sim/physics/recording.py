@@ -18,9 +18,9 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
-from skolem.sim.robot.poses import Quaternion as Xyzw, Vector3 as Xyz
 from skolem.sim.space.pinhole import focal_px
 from skolem.traces.messages import TICKS_PER_SECOND
+from skolem.traces.messages.poses import Quaternion as Xyzw, Vector3 as Xyz
 
 WORLD_FRAME, BASE_FRAME, CAMERA_FRAME, TRUTH_PREFIX = "world", "base_footprint", "camera", "truth/"
 _NANOSECONDS = 1_000_000_000

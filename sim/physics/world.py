@@ -17,11 +17,12 @@ from skolem.sim.physics import recording
 from skolem.sim.physics.recording import NamedPose
 from skolem.sim.robot import bodies
 from skolem.sim.robot.bullet import p
-from skolem.sim.robot.poses import Quaternion, Vector3, compose4, inverse4, quaternion_xyzw, raised, rotation
 from skolem.sim.robot.pr2 import CAMERA_FRAME, PR2, TORSO
+from skolem.sim.robot.rotations import rotation
 from skolem.sim.space.pinhole import Frame
 from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.messages import Hand, ObjectType, Pose2, Pose4, TrueObject
+from skolem.traces.messages.poses import Quaternion, Vector3, compose4, inverse4, quaternion_xyzw, raised
 
 Recorder = Callable[[str, Any], None]  # topic, protobuf message
 

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from skolem.sim.planner.standing import Carried, Standing
 from skolem.sim.robot import bodies
 from skolem.sim.robot.bullet import p
-from skolem.sim.robot.poses import Vector3, compose2, flat, inverse2
 from skolem.sim.robot.pr2 import ARM, BASE, FINGER_OPEN_RAD, HEAD, PR2
 from skolem.sim.space.doubt import Doubts
 from skolem.traces.messages import HANDS, Belief, Hand, ObjectType, Pose2, Pose4
 from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.messages.poses import Vector3, compose2, flat, inverse2
 
 Floats = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from skolem.sim.planner import motion
 from skolem.sim.planner.believed import BelievedWorld
-from skolem.sim.robot.poses import compose2, inverse2
 from skolem.traces.messages import Pose2
+from skolem.traces.messages.poses import compose2, inverse2
 
 Floats = NDArray[np.float64]
 

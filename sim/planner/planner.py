@@ -21,9 +21,9 @@ from skolem.sim.planner.surveyor import Surveyor
 from skolem.sim.planner.trials import Task, Trials
 from skolem.sim.planner.ways import Way
 from skolem.sim.robot.assets import robot_sha256
-from skolem.sim.robot.poses import compose2, compose4
 from skolem.sim.space.activities import Activity, Picking, Question, key_of
 from skolem.traces.messages import HANDS, Belief, Command, Hand, MoveBase, ObjectType, Pose2
+from skolem.traces.messages.poses import compose2, compose4
 
 BASE_STREAM = 3
 SURVEYS_DRIVEN = 8  # stances to look at a region from to which a drive is sought

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.standing import Standing
-from skolem.sim.robot.poses import Vector3, compose4
 from skolem.sim.space.footprints import collide
 from skolem.traces.messages import ObjectType, Pose4
+from skolem.traces.messages.poses import Vector3, compose4
 
 Floats = NDArray[np.float64]
 

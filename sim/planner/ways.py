@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.standing import Carried
 from skolem.sim.robot import bodies
-from skolem.sim.robot.poses import Vector3
 from skolem.sim.space import grasps
 from skolem.traces.messages import Hand, ObjectType, Pick, Pose2, Pose4
+from skolem.traces.messages.poses import Vector3
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -5,8 +5,8 @@ so `set_pose` and `pose` take the type to shift by half the height.
 """
 
 from skolem.sim.robot.bullet import p
-from skolem.sim.robot.poses import Quaternion, Vector3, heading, quaternion_xyzw
 from skolem.traces.messages import GRAVITY, ObjectType, Pose4
+from skolem.traces.messages.poses import Quaternion, Vector3, heading, quaternion_xyzw
 
 Rgba = tuple[float, float, float, float]
 

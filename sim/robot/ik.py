@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.traces.messages import Hand
+from skolem.traces.messages.arm import FOREARM_M, PAN_TO_LIFT_M, UPPER_ARM_M, WRIST_TO_TOOL_M, shoulder
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
-PAN_TO_LIFT_M, UPPER_ARM_M, FOREARM_M, WRIST_TO_TOOL_M = 0.1, 0.4, 0.321, 0.18
-SHOULDER_M = (-0.05, 0.188, 0.790675)  # left shoulder pan in base_footprint with the torso at 0
 WRAPPING = (4, 6)  # forearm roll and wrist roll turn without end
 STEP_LIMIT_RAD = 0.35  # largest turn of a joint between two poses of a straight line; more is another branch
 PAN_WINDOW_RAD, PAN_WINDOW_POINTS = 0.16, 17  # where the shoulder pan of the next pose is sought
@@ -66,9 +65,7 @@ def solve(hand: Hand, torso: float, position: Floats, rotation: Floats, pan: Flo
         pan: Shape (n,), the shoulder pan to use [rad], within its limits.
     """
     lim = limits(hand)
-    side = 1.0 if hand == "left" else -1.0
-    shoulder = np.array([SHOULDER_M[0], side * SHOULDER_M[1], SHOULDER_M[2] + torso])
-    wrist = position - WRIST_TO_TOOL_M * rotation[:, :, 0] - shoulder
+    wrist = position - WRIST_TO_TOOL_M * rotation[:, :, 0] - np.array(shoulder(hand, torso))
     x = np.cos(pan) * wrist[:, 0] + np.sin(pan) * wrist[:, 1] - PAN_TO_LIFT_M
     y = -np.sin(pan) * wrist[:, 0] + np.cos(pan) * wrist[:, 1]
     row, upper = _upper_arm(np.stack([x, y, wrist[:, 2]], axis=1), lim)

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from skolem.sim.robot.assets import patched_urdf_path, quiet_output, srdf_path
 from skolem.sim.robot.bullet import p
-from skolem.sim.robot.poses import Quaternion, Vector3, heading, wrap
 from skolem.traces.messages import HANDS, Hand, Joints7, Pose2, Pose4, RobotState
+from skolem.traces.messages.arm import CARRY
+from skolem.traces.messages.poses import Quaternion, Vector3, half_open_turn, heading
 
 BASE = ("base_x", "base_y", "base_theta")
 TORSO = "torso_lift_joint"
@@ -32,12 +33,6 @@ FINGERS: Mapping[Hand, tuple[str, ...]] = MappingProxyType(
 )
 TOOL_FRAME: Mapping[Hand, str] = MappingProxyType({hand: f"{hand[0]}_gripper_tool_frame" for hand in HANDS})
 FINGER_OPEN_RAD = 0.5  # of 0.548: fingertips 8.6 cm apart
-CARRY: Mapping[Hand, Joints7] = MappingProxyType(  # tool level at (0.45, -+0.50, 1.00) when the torso is at 0.2
-    {
-        "right": (-0.72, 0.84865, 0.08833, -2.15891, -2.34645, -1.42687, 2.91387),
-        "left": (0.72, 0.84865, -0.08833, -2.15891, 2.34645, -1.42687, -2.91387),
-    }
-)
 
 
 class PR2:
@@ -157,7 +152,7 @@ class PR2:
     def base(self) -> Pose2:
         """Return world_T_base, theta in [-pi, pi)."""
         x, y, theta = self.joints(BASE)
-        return (x, y, wrap(theta))
+        return (x, y, half_open_turn(theta))
 
     def set_gripper(self, hand: Hand, opening_rad: float) -> None:
         """Turn all four finger joints; PyBullet ignores `<mimic>`, so each is set. 0 is closed."""
@@ -213,7 +208,7 @@ class PR2:
         ahead = math.cos(pan) * x + math.sin(pan) * y - pan_tilt[0]
         up = dz - torso_pan[2] - pan_tilt[2]
         tilt = _asin(tilt_camera[2] / math.hypot(ahead, up)) - math.atan2(up, ahead)
-        return self._clip(HEAD[0], wrap(pan)), self._clip(HEAD[1], wrap(tilt))
+        return self._clip(HEAD[0], half_open_turn(pan)), self._clip(HEAD[1], half_open_turn(tilt))
 
     def _clip(self, joint: str, value: float) -> float:
         lower, upper = self.limits[joint]

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from skolem.sim.robot import ik
 from skolem.traces.messages import Hand, Pose4
+from skolem.traces.messages.arm import SHOULDER_M, UPPER_ARM_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -59,7 +60,7 @@ def limit_margin(hand: Hand, joints: Floats) -> Floats:
 
 def elbow_height(torso: float, joints: Floats) -> Floats:
     """Return the height of the elbow over the floor, shape (k,), of configurations (k, 7)."""
-    return np.asarray(ik.SHOULDER_M[2] + torso - ik.UPPER_ARM_M * np.sin(joints[:, 1]))
+    return np.asarray(SHOULDER_M[2] + torso - UPPER_ARM_M * np.sin(joints[:, 1]))
 
 
 def reaching(hand: Hand, torso: float, base_T_tool: list[Pose4], present: Floats) -> Reaching:

@@ -11,12 +11,12 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from skolem.sim.robot.poses import compose2
 from skolem.sim.scenario.document import Address, nearest
 from skolem.sim.scenario.models import REGION_NAME, BasePose, BelievedObject, Disturbance, Place, WorldObject
 from skolem.sim.space.footprints import Footprint, footprint, overhang, overlaps
 from skolem.traces.messages import ObjectType, Pose2
 from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.messages.poses import compose2
 
 M = TypeVar("M", bound=BaseModel)
 Mistake = tuple[Address, str]

@@ -15,7 +15,6 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 from numpy.random import PCG64, Generator, SeedSequence
 from pydantic import BaseModel, ValidationError
 
-from skolem.sim.robot.poses import compose2, wrap
 from skolem.sim.scenario.checks import mistakes, placed
 from skolem.sim.scenario.document import Address, Document, load_document, nearest, read_document
 from skolem.sim.scenario.models import BelievedObject, BelievedRegion, ColourPrior, LogNormal, Scenario, WorldObject
@@ -33,6 +32,7 @@ from skolem.traces.messages import (
     RobotState,
 )
 from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.messages.poses import compose2, half_open_turn
 
 __all__ = [
     "Document",
@@ -218,7 +218,7 @@ def _region(item: BelievedRegion, scenario: Scenario) -> PriorRegion:
 def _perturbed(world_T_thing: Pose2, sd_xy: float, sd_theta: float, noise: list[float]) -> Pose2:
     """Return the pose moved by standard normal `noise` (x, y, theta) times the deviations."""
     x, y, theta = world_T_thing
-    return (x + sd_xy * noise[0], y + sd_xy * noise[1], wrap(theta + sd_theta * noise[2]))
+    return (x + sd_xy * noise[0], y + sd_xy * noise[1], half_open_turn(theta + sd_theta * noise[2]))
 
 
 def _raised(item: WorldObject, world_T_item: Pose2, scenario: Scenario, types: Types) -> Pose4:

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.sim.robot.poses import compose2, flat, inverse2
 from skolem.traces.messages import Belief
+from skolem.traces.messages.poses import compose2, flat, inverse2
 
 Floats = NDArray[np.float64]
 

@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass, replace
 
-from skolem.sim.robot.poses import compose2, flat, inverse2
 from skolem.traces.messages import ObjectType, Pose2, Pose4
+from skolem.traces.messages.poses import compose2, flat, inverse2
 
 Corner = tuple[float, float]
 TOUCHING_M = 0.001

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.sim.robot.poses import compose4, inverse4
 from skolem.traces.messages import ObjectType, Pose4
+from skolem.traces.messages.poses import compose4, inverse4
 
 Floats = NDArray[np.float64]
 

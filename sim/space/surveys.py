@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.sim.robot.poses import Vector3, compose4
 from skolem.sim.space.pinhole import COLUMNS, FOVY_RAD, ROWS
 from skolem.traces.messages import Pose4, RegionBelief
+from skolem.traces.messages.poses import Vector3, compose4
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -4,13 +4,13 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping
 
-from skolem.sim.robot.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap
 from skolem.sim.space.doubt import Doubts
 from skolem.sim.space.footprints import Footprint, footprint, overlaps
 from skolem.sim.symbolic.corridors import Pillar, pillar
 from skolem.sim.symbolic.sight import BelievedSight, Thing
 from skolem.traces.messages import Belief, Hand, ObjectBelief, ObjectType, Pose2, Pose4
 from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.messages.poses import compose2, compose4, flat, half_open_turn, inverse2, inverse4, raised
 
 STANDOFF_M = 0.62  # from the base to what a hand reaches for
 OBLIQUE_RAD = 0.4  # between the heading of a base that stands obliquely and the square one
@@ -84,7 +84,7 @@ class SymbolicBelief:
         for turns in ((0.0,), (-OBLIQUE_RAD, OBLIQUE_RAD)):
             poses = []
             for (edge, depth), turn in itertools.product(sides, turns):
-                away, heading = max(STANDOFF_M, (depth + BODY_M) / math.cos(turn)), wrap(edge + turn)
+                away, heading = max(STANDOFF_M, (depth + BODY_M) / math.cos(turn)), half_open_turn(edge + turn)
                 pose = (x - away * math.cos(heading), y - away * math.sin(heading), heading)
                 if away <= farthest_m and self.free(pose):
                     poses.append(pose)
@@ -95,7 +95,7 @@ class SymbolicBelief:
         """Yield the free base poses all around a point, facing it, the nearest first."""
         headings = [2.0 * math.pi * k / RING_HEADINGS for k in range(RING_HEADINGS)]
         poses = [
-            (middle[0] - away * math.cos(heading), middle[1] - away * math.sin(heading), wrap(heading))
+            (middle[0] - away * math.cos(heading), middle[1] - away * math.sin(heading), half_open_turn(heading))
             for heading in headings
             for away in RING_M
         ]
@@ -121,4 +121,4 @@ class SymbolicBelief:
         u, v, _ = compose2(inverse2(world_T_table), world_T_target)
         a, b = (size / 2.0 for size in self.type(support).size_m[:2])
         inward = ((0.0, a + u), (math.pi, a - u), (math.pi / 2.0, b + v), (-math.pi / 2.0, b - v))
-        return [(wrap(world_T_table[2] + turn), depth) for turn, depth in inward]
+        return [(half_open_turn(world_T_table[2] + turn), depth) for turn, depth in inward]

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from skolem.sim.robot.poses import compose2, flat, inverse2, raised
 from skolem.sim.space.activities import Activity
 from skolem.sim.space.grasps import RELEASE_M, spots, widest_half
 from skolem.sim.symbolic.belief import BODY_M, SymbolicBelief
@@ -28,6 +27,7 @@ from skolem.traces.messages import (
     Pose2,
     Weigh,
 )
+from skolem.traces.messages.poses import compose2, flat, inverse2, raised
 
 SPOTS = 24  # of the best places on a table, how many are tried
 

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.sim.robot.poses import compose4, inverse4, wrap
 from skolem.sim.space.grasps import STEEPEST_RAD, YAWS, approach_yaws, back_off, grasp
-from skolem.sim.symbolic.arm import CARRY, reach, shoulder
+from skolem.sim.symbolic.arm import reach
 from skolem.sim.symbolic.belief import SymbolicBelief
 from skolem.traces.messages import Hand, Joints7, Pick, Place, Pose2, Pose4
+from skolem.traces.messages.arm import CARRY, shoulder
+from skolem.traces.messages.poses import compose4, half_open_turn, inverse4
 
 NEAR_M, FAR_M = 0.5, 0.8  # from the base to what a hand reaches for
 FACING_RAD = 0.5
@@ -64,7 +65,7 @@ class SymbolicHands:
         if believed.in_hand != hand or believed.tool_T_object is None or not _within_reach(base_T_release):
             return None
         for yaw in self._straightest(hand, base_T_release, np.linspace(-STEEPEST_RAD, STEEPEST_RAD, YAWS)):
-            turned = (*base_T_release[:3], wrap(yaw + believed.tool_T_object[3]))
+            turned = (*base_T_release[:3], half_open_turn(yaw + believed.tool_T_object[3]))
             arm = self._reach(hand, compose4(turned, inverse4(believed.tool_T_object)), back_off(kind, 0.0))
             if arm is not None:
                 return Place(
@@ -77,7 +78,7 @@ class SymbolicHands:
         sx, sy, _ = shoulder(hand, self._belief.belief.robot.torso)
         straight = math.atan2(base_T_target[1] - sy, base_T_target[0] - sx)
         angles: list[float] = yaws.tolist()
-        yield from sorted(angles, key=lambda yaw: (abs(wrap(yaw - straight)), yaw))
+        yield from sorted(angles, key=lambda yaw: (abs(half_open_turn(yaw - straight)), yaw))
 
     def _reach(self, hand: Hand, base_T_tool: Pose4, back_m: float) -> Reach | None:
         """Return arm configurations at a tool pose, `back_m` behind it and a little above it, or None."""

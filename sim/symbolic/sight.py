@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.sim.robot.poses import Vector3, compose4, inverse4, raised, rotation
+from skolem.sim.robot.rotations import rotation
 from skolem.sim.space.footprints import collide
 from skolem.sim.space.pinhole import Frame
 from skolem.sim.symbolic.view import OUTLINE_POINTS, SEEN_SHARE, Solid, camera, cast, fits, head_towards, outline
 from skolem.traces.messages import ObjectType, Pose2, Pose4
+from skolem.traces.messages.poses import Vector3, compose4, inverse4, raised
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

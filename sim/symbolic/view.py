@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from skolem.sim.robot.poses import compose4, inverse4, rotation
+from skolem.sim.robot.rotations import rotation
 from skolem.sim.space.pinhole import FOVY_RAD, Frame, pixel_rays
 from skolem.traces.messages import DepthView, ObjectType, Pose4
+from skolem.traces.messages.poses import compose4, inverse4
 
 Floats = NDArray[np.float64]
 

@@ -7,7 +7,6 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.sim.robot.poses import Vector3, flat
 from skolem.sim.space import surveys
 from skolem.sim.space.activities import Activity, is_other_side
 from skolem.sim.space.grasps import widest_half
@@ -17,6 +16,7 @@ from skolem.sim.symbolic.corridors import CORRIDOR_M, pillar, standing_in
 from skolem.sim.symbolic.hands import FAR_M, SymbolicHands
 from skolem.sim.symbolic.sight import BelievedSight
 from skolem.traces.messages import ObjectType, Pose2, Pose4
+from skolem.traces.messages.poses import Vector3, flat
 
 LOOK_M = 1.6  # from the base: what is nearer can be looked at
 ROOM_M = 0.03  # around what is put down beside a way

@@ -8,9 +8,9 @@ from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import EVENT, Consolidated, Event, Moved, Picked, PickFailed
 from skolem.estimation.fluents import covariance_within
 from skolem.estimation.pose_graph import BASE, PoseGraph
-from skolem.estimation.se2 import flat
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Pose2
+from skolem.traces.messages.poses import flat
 
 NAMES = (BASE, "can0", "can1", "can2", "can3", "_o1_", "_o3_")
 AROUND: dict[str, Pose2] = {f"can{i}": (1.0 + 0.3 * i, 0.2 * (-1) ** i, 0.0) for i in range(24)}

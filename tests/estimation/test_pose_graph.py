@@ -11,11 +11,12 @@ from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Began, Event, Moved, Picked, PickFailed, Placed
 from skolem.estimation.graph_state import grasp_factor
 from skolem.estimation.pose_graph import BASE, PoseGraph
-from skolem.estimation.se2 import compose, exp, flat, relative_jacobian, symmetric
+from skolem.estimation.se2 import compose, exp, relative_jacobian, symmetric
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import (
     Pose2,
 )
+from skolem.traces.messages.poses import flat
 
 
 def sds(graph: PoseGraph, a: str, b: str) -> NDArray[np.float64]:

@@ -2,9 +2,9 @@
 
 import math
 
-from skolem.sim.robot.poses import compose4
-from skolem.sim.robot.pr2 import CARRY
 from skolem.traces.messages import Belief, Hand, HsvBelief, ObjectBelief, ObjectType, Pose2, Pose4, RobotState
+from skolem.traces.messages.arm import CARRY
+from skolem.traces.messages.poses import compose4
 
 TYPES = {
     "bottle": ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.20), graspable=True),

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from skolem.reasoner.protocols import Geometry
-from skolem.sim.symbolic.arm import CARRY, reach
+from skolem.sim.symbolic.arm import reach
 from skolem.sim.symbolic.geometry import SymbolicGeometry
 from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.sim.truth.bodies import TrueBody
@@ -24,6 +24,7 @@ from skolem.traces.messages import (
     Pose4,
     TrueObject,
 )
+from skolem.traces.messages.arm import CARRY
 
 TYPES = {
     "bottle": ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.2), graspable=True),

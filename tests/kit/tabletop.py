@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from skolem.sim.detector.cloud import Cloud, cloud_from_depth
 from skolem.sim.physics import camera
 from skolem.sim.robot import bodies, ik
-from skolem.sim.robot.poses import compose4, inverse4, rotation
+from skolem.sim.robot.rotations import rotation
 from skolem.sim.space.pinhole import Frame
 from skolem.sim.truth.bodies import TrueBody
 from skolem.sim.truth.noise import Extrinsics, Purpose, extrinsic_error, noisy_depth, stream
 from skolem.traces.messages import Hand, Joints7, NoiseModel, ObjectType, Pick, Place, Pose4, RobotState
+from skolem.traces.messages.poses import compose4, inverse4
 
 TABLE_M = 0.68
 TYPES = {

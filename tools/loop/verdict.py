@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.planning.goals import achieved_by
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.robot.poses import compose4, flat, inverse4, raised
 from skolem.sim.space.footprints import footprint, overhang
 from skolem.traces.messages import (
     Hand,
@@ -26,6 +25,7 @@ from skolem.traces.messages import (
     TypeIs,
     Verdict,
 )
+from skolem.traces.messages.poses import compose4, flat, inverse4, raised
 
 _DIMENSIONS: Mapping[Quantity, int] = {"pose": 3, "colour": 3, "weight": 1}
 

@@ -4,9 +4,9 @@ import pytest
 from kit.papers import STANDS, Handler, at_five_percent, can, holds, seen_as
 from kit.runs import ran
 
-from skolem.sim.robot.poses import compose4
 from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.traces.messages import Action, ActionResult, Observation, Pick
+from skolem.traces.messages.poses import compose4
 
 
 def test_an_object_that_slips_is_looked_at_again_and_picked_again(monkeypatch: pytest.MonkeyPatch) -> None:

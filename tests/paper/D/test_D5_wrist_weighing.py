@@ -7,8 +7,8 @@ from kit.papers import Handler, at_five_percent, can
 from kit.runs import Stage, over, thing_in, with_physics
 from kit.tabletop import can as true_can, pick_at
 
-from skolem.sim.robot.pr2 import CARRY
 from skolem.traces.messages import Joints7, Pick, Weigh
+from skolem.traces.messages.arm import CARRY
 
 pytestmark = pytest.mark.physics
 

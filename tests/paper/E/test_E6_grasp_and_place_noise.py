@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from skolem.estimation import arm
-from skolem.sim.robot.poses import compose4, inverse4, raised
-from skolem.sim.symbolic.arm import CARRY, reach
+from skolem.sim.symbolic.arm import reach
 from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.traces.messages import Action, ActionResult, Hand, Pick, Place, Pose4, TrueState
+from skolem.traces.messages.arm import CARRY
+from skolem.traces.messages.poses import compose4, inverse4, raised
 
 SEEDS = 200
 GRASP_M, PLACE_M = 0.006, 0.003  # as every scenario states

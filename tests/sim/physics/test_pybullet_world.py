@@ -14,8 +14,6 @@ from scipy.spatial.transform import Rotation
 
 from skolem.sim.physics.pybullet import PyBulletWorld
 from skolem.sim.physics.world import RECORD_TICKS
-from skolem.sim.robot.poses import compose2, compose4, inverse4, raised
-from skolem.sim.robot.pr2 import CARRY
 from skolem.sim.space.pinhole import pixel_rays
 from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.messages import (
@@ -33,6 +31,8 @@ from skolem.traces.messages import (
     TrueObject,
     Weigh,
 )
+from skolem.traces.messages.arm import CARRY
+from skolem.traces.messages.poses import compose2, compose4, inverse4, raised
 
 pytestmark = pytest.mark.physics
 

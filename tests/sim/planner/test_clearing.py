@@ -8,8 +8,8 @@ from kit import believed_scenes as scenes
 
 from skolem.reasoner.protocols import Activity
 from skolem.sim.planner.planner import PlanningWorld
-from skolem.sim.robot.poses import compose2, compose4, raised
 from skolem.traces.messages import Hand, MoveBase, ObjectBelief, Pick, Place, Pose2
+from skolem.traces.messages.poses import compose2, compose4, raised
 
 pytestmark = pytest.mark.physics
 

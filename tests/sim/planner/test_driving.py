@@ -7,8 +7,8 @@ from kit import believed_scenes as scenes
 
 from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.driving import SHARPEST_TURN_RAD, drive
-from skolem.sim.robot.poses import compose2
 from skolem.traces.messages import Pose2
+from skolem.traces.messages.poses import compose2
 
 pytestmark = pytest.mark.physics
 

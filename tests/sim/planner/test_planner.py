@@ -9,8 +9,6 @@ from kit import believed_scenes as scenes
 
 from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.planner import PlanningWorld
-from skolem.sim.robot.poses import compose2, compose4, flat, inverse2, inverse4
-from skolem.sim.robot.pr2 import CARRY
 from skolem.sim.space import grasps
 from skolem.sim.space.activities import is_other_side
 from skolem.traces.messages import (
@@ -26,6 +24,8 @@ from skolem.traces.messages import (
     Pose2,
     Weigh,
 )
+from skolem.traces.messages.arm import CARRY
+from skolem.traces.messages.poses import compose2, compose4, flat, inverse2, inverse4
 
 pytestmark = pytest.mark.physics
 

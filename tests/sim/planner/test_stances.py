@@ -5,8 +5,8 @@ import pytest
 
 from skolem.sim.planner import stances
 from skolem.sim.planner.stances import BASE_HALF_M, Footprint
-from skolem.sim.robot.poses import compose2, inverse2
 from skolem.traces.messages import Pose2
+from skolem.traces.messages.poses import compose2, inverse2
 
 SQUARE = Footprint((2.0, 0.0, 0.0), (0.4, 0.6))
 

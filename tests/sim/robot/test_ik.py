@@ -5,8 +5,8 @@ import pytest
 
 from skolem.sim.robot import bodies, ik
 from skolem.sim.robot.bullet import p
-from skolem.sim.robot.poses import rotation
 from skolem.sim.robot.pr2 import ARM, PR2, TORSO
+from skolem.sim.robot.rotations import rotation
 from skolem.traces.messages import HANDS, Hand
 
 TORSO_M = 0.15

@@ -5,8 +5,9 @@ import pytest
 
 from skolem.sim.robot import bodies
 from skolem.sim.robot.bullet import p
-from skolem.sim.robot.pr2 import ARM, BASE, CARRY, HEAD, PR2, TORSO
+from skolem.sim.robot.pr2 import ARM, BASE, HEAD, PR2, TORSO
 from skolem.traces.messages import HANDS, Hand, RobotState
+from skolem.traces.messages.arm import CARRY
 
 pytestmark = pytest.mark.physics
 

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from skolem.sim.robot import ik, reach
-from skolem.sim.robot.pr2 import CARRY
 from skolem.traces.messages import HANDS, Hand, Pose4
+from skolem.traces.messages.arm import CARRY
 
 TOOL: Pose4 = (0.65, -0.2, 0.75, 0.2)
 

@@ -20,9 +20,9 @@ from skolem.sim.scenario.scenario import (
     schema_text,
     true_bodies,
 )
-from skolem.sim.symbolic.arm import CARRY
 from skolem.traces.errors import InputError
 from skolem.traces.messages import RobotState
+from skolem.traces.messages.arm import CARRY
 
 BAD = ROOT / "tests" / "data" / "bad_scenarios"
 GREEN = ROOT / "scenarios" / "sim1_green.yaml"

@@ -8,10 +8,10 @@ import pytest
 from kit import believed_scenes as scenes
 from numpy.typing import NDArray
 
-from skolem.sim.robot.poses import compose2, flat, inverse2, raised
 from skolem.sim.space import doubt
 from skolem.sim.space.doubt import Doubts
 from skolem.traces.messages import Belief, Pose2
+from skolem.traces.messages.poses import compose2, flat, inverse2, raised
 
 LIMIT_M = 10.0  # above every spread here
 

@@ -5,9 +5,9 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from skolem.sim.robot.poses import compose2
 from skolem.sim.space.footprints import Footprint, collide, distance, footprint, overhang, overlaps
 from skolem.traces.messages import ObjectType, Pose2, Pose4
+from skolem.traces.messages.poses import compose2
 
 CAN = ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.1), graspable=True)
 TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.7), graspable=False)

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from skolem.sim.robot.poses import compose4
 from skolem.sim.space import grasps
 from skolem.traces.messages import ObjectType, Pose4
+from skolem.traces.messages.poses import compose4
 
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True)
 BOX = ObjectType(shape="box", size_m=(0.06, 0.09, 0.14), graspable=True)

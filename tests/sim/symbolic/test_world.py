@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from kit.symbolic_worlds import BODIES, DRIVE, EXACT, TYPES, do, picking, thing, world
 
-from skolem.sim.symbolic.arm import CARRY, base_T_tool, reach
+from skolem.sim.symbolic.arm import base_T_tool, reach
 from skolem.sim.symbolic.view import SIGHT_M, Solid, camera, cast, depth_view, head_towards, in_sight, table_in_sight
 from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.sim.truth.bodies import TrueBody
@@ -20,6 +20,7 @@ from skolem.traces.messages import (
     Place,
     Weigh,
 )
+from skolem.traces.messages.arm import CARRY
 
 
 def seen(there: SymbolicWorld, look: LookAt, step: int = 0) -> list[Detection]:
@@ -205,12 +206,6 @@ def test_reach_is_the_inverse_of_forward_kinematics_for_both_arms() -> None:
         assert joints is not None
         assert base_T_tool(hand, 0.2, joints) == pytest.approx(tool)
         assert reach(hand, 0.2, (1.6, 0.0, 0.75, 0.0)) is None
-
-
-def test_the_arms_are_carried_as_those_of_the_robot_model() -> None:
-    from skolem.sim.robot import pr2
-
-    assert pr2.CARRY == CARRY
 
 
 @pytest.mark.parametrize(("offset", "status"), [(0.0, "done"), (0.025, "done"), (0.035, "failed")])

@@ -7,9 +7,9 @@ from kit.places import SCENARIOS
 from kit.runs import Run, ran
 
 from skolem.sim.scenario.scenario import prior
-from skolem.sim.symbolic.arm import CARRY
 from skolem.tools.loop.setup import prepare
 from skolem.traces.messages import RobotState
+from skolem.traces.messages.arm import CARRY
 
 EXACT = ("noise=none",)
 SEEDS = range(3)

@@ -7,11 +7,11 @@ from kit.places import SCENARIOS
 from kit.recordings import recorded
 
 from skolem.sim.scenario.scenario import prior
-from skolem.sim.symbolic.arm import CARRY
 from skolem.tools.loop.setup import prepare
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Observation, RobotState, RunEnd
+from skolem.traces.messages.arm import CARRY
 
 MODEL = (  # of the noise, as in the scenarios
     "{depth: {sd_scale: 1.0}, extrinsics: {sd_m: 0.003, sd_rad: 0.004}, "

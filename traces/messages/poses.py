@@ -1,33 +1,39 @@
-"""Poses of upright things: composition and inverse of Pose2 (x, y, theta) and Pose4 (x, y, z, theta).
+"""Poses of upright things as a group: composition and inverse of Pose2 (x, y, theta) and Pose4 (x, y, z, theta).
 
-`compose(a_T_b, b_T_c)` is `a_T_c`. Angles come back in [-pi, pi).
+`compose2(a_T_b, b_T_c)` is `a_T_c`. All is plain floats: metres, radians.
+
+There are two ways to bring an angle back into one turn. Recorded runs hold the last bits of both, so each side keeps
+its own: the estimator `nearest_turn`, simulators and planners `half_open_turn`.
 """
 
 import math
+from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
-from skolem.traces.messages import Pose2, Pose4
+from skolem.traces.messages.base import Pose2, Pose4
 
 Quaternion = tuple[float, float, float, float]
 Vector3 = tuple[float, float, float]
 
 
-def wrap(angle: float) -> float:
-    """Return the angle in [-pi, pi)."""
+def nearest_turn(angle: float) -> float:
+    """Return the angle in [-pi, pi], without any rounding: an angle in that range stays as it is."""
+    return math.remainder(angle, math.tau)
+
+
+def half_open_turn(angle: float) -> float:
+    """Return the angle in [-pi, pi): one name per direction, but the last bits of most angles are rounded."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
-def compose2(a_T_b: Pose2, b_T_c: Pose2) -> Pose2:
-    """Return a_T_c."""
+def compose2(a_T_b: Pose2, b_T_c: Pose2, wrap: Callable[[float], float] = half_open_turn) -> Pose2:
+    """Return a_T_c, its angle brought into one turn by `wrap`."""
     x, y, theta = a_T_b
     c, s = math.cos(theta), math.sin(theta)
     return (x + c * b_T_c[0] - s * b_T_c[1], y + s * b_T_c[0] + c * b_T_c[1], wrap(theta + b_T_c[2]))
 
 
-def inverse2(a_T_b: Pose2) -> Pose2:
-    """Return b_T_a."""
+def inverse2(a_T_b: Pose2, wrap: Callable[[float], float] = half_open_turn) -> Pose2:
+    """Return b_T_a, its angle brought into one turn by `wrap`."""
     x, y, theta = a_T_b
     c, s = math.cos(theta), math.sin(theta)
     return (-c * x - s * y, s * x - c * y, wrap(-theta))
@@ -51,8 +57,8 @@ def flat(a_T_b: Pose4) -> Pose2:
 
 
 def raised(a_T_b: Pose2, z: float = 0.0) -> Pose4:
-    """Add a height."""
-    return (a_T_b[0], a_T_b[1], z, a_T_b[2])
+    """Add a height; no number of the result is a negative zero."""
+    return (a_T_b[0] + 0.0, a_T_b[1] + 0.0, z + 0.0, a_T_b[2] + 0.0)
 
 
 def quaternion_xyzw(theta: float) -> Quaternion:
@@ -64,9 +70,3 @@ def heading(quaternion: Quaternion) -> float:
     """Return the direction of the frame's x axis seen from above; its yaw, if the frame is upright."""
     x, y, z, w = quaternion
     return math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
-
-
-def rotation(theta: float) -> NDArray[np.float64]:
-    """Return the 3x3 rotation matrix about z by theta."""
-    c, s = math.cos(theta), math.sin(theta)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

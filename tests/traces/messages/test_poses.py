@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from skolem.sim.robot import poses
-from skolem.traces.messages import Pose2, Pose4
+from skolem.sim.robot.rotations import rotation
+from skolem.traces.messages import Pose2, Pose4, poses
 
 ROUND_OFF = 1e-12
 
@@ -16,7 +16,7 @@ def random_poses(seed: int, count: int = 40) -> list[Pose4]:
 
 def matrix(a_T_b: Pose4) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
     out = np.eye(4)
-    out[:3, :3] = poses.rotation(a_T_b[3])
+    out[:3, :3] = rotation(a_T_b[3])
     out[:3, 3] = a_T_b[:3]
     return out
 
@@ -38,9 +38,17 @@ def test_flat_composition_forgets_height_alone() -> None:
 
 
 def test_angles_come_back_in_one_turn() -> None:
-    assert poses.wrap(math.pi) == -math.pi
-    assert poses.wrap(-math.pi) == -math.pi
-    assert poses.wrap(7.0) == pytest.approx(7.0 - 2.0 * math.pi)
+    for wrap in (poses.half_open_turn, poses.nearest_turn):
+        assert wrap(-math.pi) == -math.pi
+        assert wrap(7.0) == pytest.approx(7.0 - 2.0 * math.pi)
+    assert poses.half_open_turn(math.pi) == -math.pi
+    assert poses.nearest_turn(math.pi) == math.pi
+
+
+def test_the_nearest_turn_rounds_nothing_and_the_half_open_turn_does() -> None:
+    assert poses.nearest_turn(0.1) == 0.1
+    assert poses.half_open_turn(0.1) == pytest.approx(0.1, abs=ROUND_OFF)
+    assert poses.half_open_turn(0.1) != 0.1
 
 
 def test_heading_undoes_a_quaternion_about_z() -> None:
