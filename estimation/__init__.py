@@ -1,4 +1,7 @@
-"""The belief: a joint Gaussian over base and objects, and what is known of each object's type, colour and weight."""
+"""The belief: a joint Gaussian over base and objects, and what is known of each object's type, colour and weight.
+
+May import: nothing.
+"""
 
 import lazy_loader
 

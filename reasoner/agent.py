@@ -1,6 +1,8 @@
 """One turn of the robot's mind: check the goal, keep or drop plans, plan, and name the next action.
 
 Everything it does with a belief is written down in the `Turn` it returns: plans, searches, the action or the end.
+
+May import: planning.
 """
 
 from dataclasses import dataclass, field

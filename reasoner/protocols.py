@@ -2,6 +2,8 @@
 
 `skolem.estimation.Belief` satisfies `BeliefQueries`; `PlanningWorld` and `SymbolicGeometry` of `skolem.sim` satisfy
 `Geometry`. Tests satisfy both with a table.
+
+May import: nothing.
 """
 
 from dataclasses import dataclass

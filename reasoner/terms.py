@@ -2,6 +2,8 @@
 
 A term is an integer, a constant (`str`) or a compound. Fluents, steps and expressions are all terms; their text is the
 text of answer set programming, `b(den(e1,var(o)),105361)`.
+
+May import: nothing.
 """
 
 import math

@@ -1,4 +1,7 @@
-"""The `skolem` command: which verbs there are, each imported when it is used and not before."""
+"""The `skolem` command: which verbs there are, each imported when it is used and not before.
+
+May import: explain, files, replay, rules, run, show, sweep, view.
+"""
 
 import difflib
 import gc
@@ -47,7 +50,7 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
         "Check rule files, or print the reference of rules, words and queries.",
     ),
     "run": ("skolem.tools.run.command", "Run a scenario and record it as a trace."),
-    "scenario": ("skolem.tools.rules.scenario_check", "Check scenario files, or print their JSON Schema."),
+    "scenario": ("skolem.tools.rules.scenario", "Check scenario files, or print their JSON Schema."),
     "show": (
         "skolem.tools.show.command",
         "Print how a run was planned: every plan, what refined it, what was done and what was dropped.",
@@ -57,7 +60,7 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
         "Run scenarios for many seeds, several at a time, and write tables of how it went.",
     ),
     "trace": (
-        "skolem.tools.files.bless_command",
+        "skolem.tools.files.trace",
         "Record golden traces anew: the only way in which they change.",
     ),
     "view": (

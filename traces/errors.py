@@ -5,6 +5,8 @@ SkolemError
 ├── TraceError        a trace cannot be read or is not sound, exit code 3
 │   └── UnwrittenError  one cannot be written to its end: the disk is full
 └── InternalError     the product's own contract was broken (a rule file without exactly one answer set, ...)
+
+May import: nothing.
 """
 
 import re

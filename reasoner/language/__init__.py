@@ -1,3 +1,3 @@
-"""Goals and descriptions, as text and as values. May import: terms."""
+"""Goals and descriptions, as text and as values. May import: nothing."""
 
 __all__ = ()

@@ -1,3 +1,3 @@
-"""What holds, what is offered, and what to do next. May import: rulebook."""
+"""What holds, what is offered, and what to do next. May import: protocols, language, rulebook."""
 
 __all__ = ()

@@ -1,3 +1,3 @@
-"""The PR2: its model, its bodies in the physics engine, its arms and their reach. May import: nothing of sim."""
+"""The PR2: its model, its bodies in the physics engine, its arms and their reach. May import: nothing."""
 
 __all__ = ()

@@ -1,6 +1,6 @@
 """The world without physics, and the geometry that matches it.
 
-May import: the world (`world`) detector and truth; the geometry (all other files) space and robot, never truth.
+May import: robot, space.
 """
 
 __all__ = ()

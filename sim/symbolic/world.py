@@ -3,6 +3,8 @@
 What is left out: contact, collisions of the base, the arm in the picture, pixels. What is kept: the true poses nobody
 else reads, the errors of wheels, camera, detector and wrist, that a hand closing on the wrong place holds nothing, and
 that it does not get to where something stands in its way.
+
+May import: detector, truth, symbolic.
 """
 
 import colorsys

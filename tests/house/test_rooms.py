@@ -1,5 +1,8 @@
-"""The rooms of the house: no circles, nothing private taken, nobody who peeks, and no room too large."""
+"""The rooms of the house: the page that lists them, no circles, nothing private, nobody who peeks, none too large."""
 
+import ast
+import re
+from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
@@ -11,8 +14,58 @@ MOST_FILES = 25  # in a room, `__init__.py` not counted
 MOST_LINES = 400  # in a file
 NEVER_SEEN = ("sim/truth", "sim/physics", "sim/detector", "sim/scenario")  # by whoever thinks for the robot
 UNTIED_SOON = [tuple(f"skolem.tools.replay.{n}" for n in ("pool", "replayer", "reports", "what_if_reports"))]
-LONG_STILL = ["tools/loop/session.py"]
+WHERE = "docs/how-it-works.md"
+PAGE = (ROOT / WHERE).read_text(encoding="utf-8").partition("\n## Rooms\n")[2]
+LINE = re.compile(r"^\| `([\w/]+?)(/|\.py)` \| [^|]+ \| ([^|]+) \|$", re.M)  # room, what it is, what it may import
+FOR_ALL = {"traces/messages", "traces/errors.py", "reasoner/terms.py"}  # a floor may still be forbidden them
+TRESPASS_STILL = [
+    f"tools/sweep/command.py imports skolem.tools.run.command, but {WHERE} does not let tools/sweep into tools/run"
+]
 TRUE_WORLDS = {"skolem.sim.symbolic.world"}  # what in the rooms of thinkers is world
+
+
+def lines_of(page: str) -> dict[str, tuple[str, ...]]:
+    """Return for every room of a page the rooms that its line names, each by its path."""
+    found = {}
+    for room, kind, names in LINE.findall(page):
+        folder = room.split("/")[0]
+        paths = [name.replace(".", "/") if "." in name else f"{folder}/{name}" for name in names.split(", ")]
+        found[room + kind.rstrip("/")] = () if names == "nothing" else tuple(paths)
+    return {room: tuple(_as_listed(path, found) for path in paths) for room, paths in found.items()}
+
+
+def _as_listed(path: str, rooms: Mapping[str, object]) -> str:
+    """Return the room of a page that a path means: a folder, a file, or a folder without rooms."""
+    return next((p for p in (path, f"{path}.py", path.rsplit("/", 1)[-1]) if p in rooms), path)
+
+
+def place_of(house: House, module: str, lines: Mapping[str, object]) -> str:
+    """Return the line of the page that a module falls under: one of its own, or that of its room."""
+    path = str(house.files[module].path)
+    return path if path in lines else house.room_of(module)
+
+
+def allowed(room: str, lines: Mapping[str, tuple[str, ...]]) -> set[str]:
+    """Return all that a room may import: what its line names, and whatever that may import."""
+    found: list[str] = [room]
+    for name in found:  # grows while it is gone through
+        found += [other for other in lines.get(name, ()) if other not in found]
+    return {*found, *FOR_ALL}
+
+
+def trespasses(house: House, lines: Mapping[str, tuple[str, ...]]) -> list[str]:
+    """Return the imports that no line allows; a folder's face is open to `tools`."""
+    found = []
+    for one in house.imports:
+        if house.files[one.importer].is_package or (house.files[one.meant].is_package and not one.name):
+            continue  # faces are tables of names, and the name of a package alone is a way to its modules
+        room, other = place_of(house, one.importer, lines), place_of(house, one.meant, lines)
+        by_face = room.startswith("tools/") and one.written in house.faces and one.written.count(".") == 1
+        if not by_face and other not in allowed(room, lines):
+            found.append(
+                f"{house.files[one.importer].path} imports {one.meant}, but {WHERE} does not let {room} into {other}"
+            )
+    return found
 
 
 def peeks(house: House) -> list[str]:
@@ -28,6 +81,43 @@ def too_large(house: House) -> list[str]:
     full = [f"{room}: {len(files)} files" for room, files in house.rooms.items() if len(files) > MOST_FILES]
     lines = {file.path.as_posix(): file.text.count("\n") for file in house.files.values()}
     return full + [f"{path}: {number} lines" for path, number in sorted(lines.items()) if number > MOST_LINES]
+
+
+def test_the_page_has_a_line_for_every_room() -> None:
+    of_their_own = {str(HOUSE.files[module].path) for module in TRUE_WORLDS}
+    assert sorted(lines_of(PAGE)) == sorted({*HOUSE.rooms} | of_their_own)
+
+
+def test_lines_name_rooms_that_have_lines() -> None:
+    lines = lines_of(PAGE)
+    assert not {name for names in lines.values() for name in names} - set(lines)
+
+
+def test_rooms_import_only_what_their_lines_say() -> None:
+    assert trespasses(HOUSE, lines_of(PAGE)) in ([], TRESPASS_STILL)
+
+
+def test_lines_name_nothing_that_is_not_imported() -> None:
+    lines = lines_of(PAGE)
+    used = {
+        (place_of(HOUSE, m, lines), place_of(HOUSE, o, lines)) for m, others in HOUSE.arrows.items() for o in others
+    }
+    assert not [f"{room}: {name}" for room, names in lines.items() for name in names if (room, name) not in used]
+
+
+@pytest.mark.parametrize("room", sorted(lines_of(PAGE)))
+def test_a_room_says_in_its_first_lines_what_the_page_says(room: str) -> None:
+    (line,) = (names for name, kind, names in LINE.findall(PAGE) if name + kind.rstrip("/") == room)
+    path = ROOT / room if room.endswith(".py") else ROOT / room / "__init__.py"
+    said = " ".join((ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").split())
+    assert f"May import: {line}." in said
+
+
+def test_a_verb_imports_no_other_verb() -> None:
+    lines = lines_of(PAGE)
+    verbs = set(lines["tools/cli.py"])
+    assert len(verbs) > 1
+    assert not {(verb, name) for verb in verbs for name in lines[verb] if name in verbs}
 
 
 def test_no_files_import_one_another_in_a_circle() -> None:
@@ -48,7 +138,29 @@ def test_nobody_peeks_inside_sim() -> None:
 
 
 def test_rooms_and_files_are_small_enough_to_be_looked_over() -> None:
-    assert [line for line in too_large(HOUSE) if line.split(":")[0] not in LONG_STILL] == []
+    assert not too_large(HOUSE)
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        ("skolem.sim.planner.sight", "from skolem.sim.symbolic.arm import hands"),
+        ("skolem.sim.symbolic.arm", "from skolem.sim.detector.cloud import points"),
+        ("skolem.traces.file.codec", "def late():\n    from skolem.traces.compare import diff"),
+        ("skolem.reasoner.language.cursor", "if TYPE_CHECKING:\n    from skolem.reasoner.agent import Agent"),
+        ("skolem.tools.explain.text", "from skolem.tools.replay.replayer import Replayer"),
+        ("skolem.tools.show.info", "from skolem.traces.scene.rows import STEP"),
+        ("skolem.tools.words.new", "LATER = 'skolem.tools.recorded.run'"),
+    ],
+)
+def test_a_planted_trespass_is_found(module: str, line: str) -> None:
+    lines = lines_of(PAGE)
+    assert len(trespasses(HOUSE.planted(module, line), lines)) == len(trespasses(HOUSE, lines)) + 1
+
+
+def test_what_a_named_room_may_import_may_be_imported_too() -> None:
+    house = HOUSE.planted("skolem.sim.physics.new", "from skolem.sim.space.doubt import doubt")
+    assert trespasses(house, lines_of(PAGE)) == trespasses(HOUSE, lines_of(PAGE))
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from skolem.tools.words.printable import printable
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.printable import printable
 
 if TYPE_CHECKING:
     from skolem.tools.explain.explaining import Explanation

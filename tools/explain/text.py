@@ -12,8 +12,8 @@ from skolem.tools.explain.insight import Truth
 from skolem.tools.explain.objects import Choice, Option
 from skolem.tools.explain.regions import RegionOption
 from skolem.tools.words.optimality import optimality
+from skolem.tools.words.printable import printable
 from skolem.traces.messages.fluents import readable
-from skolem.traces.printable import printable
 
 
 @dataclass(slots=True)

@@ -1,6 +1,7 @@
 """The loop observe, update, decide, act: `Mind`, `World`, what a run is made of, and the verdict.
 
-May import: the folders below, and nothing of tools.
+May import: estimation, reasoner.agent, reasoner.lint, sim.physics, sim.planner,
+sim.scenario, sim.symbolic, sim.symbolic.world, traces.file.
 """
 
 import lazy_loader

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from skolem.tools.words.printable import printable
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.printable import printable
 
 BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
 PAYS = 8  # traces a process: it takes as long to start as a few replays

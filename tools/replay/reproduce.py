@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
+from skolem.tools.words.printable import printable
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.printable import printable
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 

@@ -1,3 +1,3 @@
-"""The verbs `rules` and `scenario`. May import: loop, recorded, words."""
+"""The verbs `rules` and `scenario`. May import: loop, words."""
 
 __all__ = ()

@@ -1,3 +1,3 @@
-"""The verb `run`. May import: loop, recorded, words."""
+"""The verb `run`. May import: loop, words."""
 
 __all__ = ()

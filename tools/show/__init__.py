@@ -1,3 +1,3 @@
-"""The verbs `show` and `info`. May import: loop, recorded, words."""
+"""The verbs `show` and `info`. May import: recorded, words."""
 
 __all__ = ()

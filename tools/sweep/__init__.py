@@ -1,3 +1,3 @@
-"""The verb `sweep`: many runs, and their tables. May import: loop, recorded, words."""
+"""The verb `sweep`: many runs, and their tables. May import: loop, words."""
 
 __all__ = ()

@@ -1,3 +1,3 @@
-"""The verb `view`: a run in rerun. May import: loop, recorded, words."""
+"""The verb `view`: a run in rerun. May import: loop, traces.scene."""
 
 __all__ = ()

@@ -1,3 +1,3 @@
-"""Beliefs, plans and runs as text for people. May import: recorded."""
+"""Beliefs, plans and runs as text for people. May import: loop."""
 
 __all__ = ()

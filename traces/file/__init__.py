@@ -1,3 +1,3 @@
-"""One MCAP file: written, read, followed while it grows, checked, recovered. May import: nothing but the vocabulary."""
+"""One MCAP file: written, read, followed while it grows, checked, recovered. May import: nothing."""
 
 __all__ = ()
