@@ -71,7 +71,7 @@ class Imagined:
         for item in given.items:
             ln_kg = (LIGHT_LN_KG, SURE_LN)
             if item.heavy > 0.0:
-                ln_kg = (HEAVY_LN_KG + WEIGHT_SD * _quantile(item.heavy), WEIGHT_SD)
+                ln_kg = (NormalDist(HEAVY_LN_KG, WEIGHT_SD).inv_cdf(item.heavy), WEIGHT_SD)
             self.things[item.name] = Thing(item.table, given.places[item.table], False, item.can, item.green, ln_kg)
         self._before = {item.name: item.before for item in given.items}
         self._unseen = dict(given.regions)
@@ -110,7 +110,7 @@ class Imagined:
             case HsvVolume(hue=(low, high)):
                 return thing.green if low < GREEN < high else 0.0
         mean, sd = thing.ln_kg
-        heavy = _normal_cdf((mean - HEAVY_LN_KG) / sd)
+        heavy = NormalDist(HEAVY_LN_KG, sd).cdf(mean)
         return heavy if meaning.at_least_kg > 0 else 1.0 - heavy
 
     def prob_on(self, anchor: str, support: str) -> float:
@@ -267,12 +267,3 @@ class Imagined:
     def tell(self, anchor: str, **fields: object) -> None:
         """Believe something else of an anchor: fields of `Thing`."""
         self.things[anchor] = replace(self.things[anchor], **fields)  # type: ignore[arg-type]
-
-
-def _normal_cdf(x: float) -> float:
-    return 0.5 * (1.0 + math.erf(x / math.sqrt(2.0)))
-
-
-def _quantile(p: float) -> float:
-    """Return z with P(Z <= z) = p."""
-    return NormalDist().inv_cdf(p)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import PCG64, Generator, SeedSequence
 
+from skolem.estimation.visibility import outline_radius as radius
 from skolem.sim.detector.cloud import Cloud, cloud_from_depth
 from skolem.sim.physics import camera
 from skolem.sim.robot import bodies
@@ -52,12 +53,6 @@ class Scene:
     asked: tuple[int, ...]
     table_m: float
     light: Vector3 | None = None
-
-
-def radius(kind: ObjectType) -> float:
-    """Return the radius of the smallest upright cylinder around a thing, metres."""
-    x, y, _ = kind.size_m
-    return x / 2.0 if kind.shape == "cylinder" else math.hypot(x, y) / 2.0
 
 
 def scattered(

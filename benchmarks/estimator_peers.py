@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from skolem.estimation.events import Began, Event, Looked, Moved, Sighting
 from skolem.estimation.se2 import Matrix, symmetric
+from skolem.sim.robot.rotations import rotation
 from skolem.traces.messages import Pose2
 from skolem.traces.messages.poses import flat
 
@@ -46,14 +47,14 @@ class _Filter:
     def base(self) -> tuple[Pose2, Matrix]:
         """Return world_T_base and its covariance, base frame."""
         x, y, theta = (float(v) for v in self.mean[:3])
-        into = _rotation(-theta)
+        into = rotation(-theta)
         return (x, y, theta), into @ self.covariance[:3, :3] @ into.T
 
     def relative(self, anchor: str) -> tuple[Pose2, Matrix]:
         """Return base_T_object and its covariance, object frame."""
         rows = np.r_[0:3, self.index[anchor] : self.index[anchor] + 3]
         seen, jacobian = _seen(self.mean[:3], self.mean[rows[3:]])
-        into = _rotation(-float(seen[2])) @ jacobian
+        into = rotation(-float(seen[2])) @ jacobian
         x, y, theta = (float(v) for v in seen)
         return (x, y, theta), into @ self.covariance[np.ix_(rows, rows)] @ into.T
 
@@ -67,7 +68,7 @@ class _Filter:
         own = np.zeros((3 * len(seen), 3 * len(seen)))
         common = np.zeros((3 * len(seen), 3))
         for i, (pose, s) in enumerate(zip(seen, sightings, strict=True)):
-            turn = _rotation(float(pose[2]))
+            turn = rotation(float(pose[2]))
             own[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = turn @ symmetric(s.covariance) @ turn.T
             common[3 * i : 3 * i + 3] = np.array([[-1.0, 0.0, pose[1]], [0.0, -1.0, -pose[0]], [0.0, 0.0, -1.0]])
         return np.concatenate(seen), own + common @ camera @ common.T
@@ -179,8 +180,3 @@ def _mean(sigmas: Array, weights: Array) -> Array:
     """Return the weighted mean of sigma points; headings around that of the first."""
     first = sigmas[0]
     return np.asarray(first + weights @ np.array([wrapped(row) for row in sigmas - first]))
-
-
-def _rotation(angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -122,6 +122,20 @@ def test_a_decision_begins_with_its_number_and_subject_and_says_its_status() -> 
         assert status.removeprefix("**").startswith("Status:"), path
 
 
+def test_the_glossary_has_each_word_once_in_order_in_a_line_or_two() -> None:
+    words, meanings = glossary_rows()
+    assert 40 <= len(words) <= 60
+    assert words == sorted(set(words), key=str.lower)
+    assert all(10 < len(meaning) <= 120 for meaning in meanings)
+
+
+def glossary_rows() -> tuple[list[str], list[str]]:
+    """Return the words of the glossary's first table, and what each means."""
+    page = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8").partition("\n## ")[0]
+    rows = re.findall(r"^\| ([^|]+) \| ([^|]+) \|$", page, re.MULTILINE)[1:]
+    return [word for word, _ in rows], [meaning for _, meaning in rows]
+
+
 def test_the_page_that_names_every_folder_of_the_product_names_no_other() -> None:
     """README's table of folders is a reader's first map."""
     table = re.findall(r"^\| `(\w+)/` \|", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
