@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from skolem.estimation.belief import Belief
-from skolem.reasoner.agent import Agent
+from skolem.estimation import Belief
+from skolem.reasoner import Agent
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import PosedGoal
 from skolem.reasoner.planning.proofs import Derivation

@@ -11,7 +11,8 @@ from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.divergences import divergence_lines
 from skolem.tools.words.live import Silence
 from skolem.tools.words.trace_account import account
-from skolem.traces.compare.diff import compare, tolerance_for
+from skolem.traces import Trace, check, compare
+from skolem.traces.compare.diff import tolerance_for
 from skolem.traces.compare.golden import (
     MAX_BYTES,
     Golden,
@@ -22,8 +23,6 @@ from skolem.traces.compare.golden import (
     write_manifest,
 )
 from skolem.traces.errors import Fault, InputError, TraceError
-from skolem.traces.file.check import check
-from skolem.traces.file.reader import Trace
 
 
 @dataclass(frozen=True, slots=True)

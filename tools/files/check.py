@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from skolem.tools.words.printable import printable
-from skolem.traces.file.check import Checked, check as check_trace
+from skolem.traces import check as check_trace
+from skolem.traces.file.check import Checked
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 

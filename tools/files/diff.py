@@ -10,10 +10,10 @@ import typer
 
 from skolem.tools.recorded.divergences import comparison_fields, divergence_lines
 from skolem.tools.words.printable import printable
+from skolem.traces import Trace, compare
 from skolem.traces.compare.decided import DECIDED, parting
-from skolem.traces.compare.diff import NOT_TIMED, Divergence, Tolerance, compare, steps_of
+from skolem.traces.compare.diff import NOT_TIMED, Divergence, Tolerance, steps_of
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.file.reader import Trace
 from skolem.traces.messages import CLASS_OF
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)

@@ -1,7 +1,6 @@
 """The loop observe, update, decide, act: `Mind`, `World`, what a run is made of, and the verdict.
 
-May import: estimation, reasoner.agent, reasoner.lint, sim.physics, sim.planner,
-sim.scenario, sim.symbolic, sim.symbolic.world, traces.file.
+May import: reasoner.lint, sim.robot, sim.scenario, traces.file.
 """
 
 import lazy_loader

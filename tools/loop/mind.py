@@ -5,10 +5,8 @@ Whoever has a mind feeds it what was told, done and observed; whatever it thinks
 
 from collections.abc import Callable
 
-from skolem.estimation.belief import Belief
-from skolem.reasoner.agent import Agent, Turn
-from skolem.reasoner.language.expressions import Goal
-from skolem.reasoner.protocols import Geometry
+from skolem.estimation import Belief
+from skolem.reasoner import Agent, Geometry, Goal, Turn
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools.loop.recorded_geometry import RecordedGeometry
 from skolem.tools.loop.stopwatch import ESTIMATION, REASONING, Stopwatch

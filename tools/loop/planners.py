@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Literal, Protocol
 
-from skolem.reasoner.protocols import Geometry
+from skolem.reasoner import Geometry
 from skolem.traces.messages import ObjectType
 
 WorldKind = Literal["pybullet", "symbolic"]
@@ -26,9 +26,9 @@ def planner_of(world: WorldKind, types: Mapping[str, ObjectType], seed: int) -> 
         seed: The run's seed.
     """
     if world == "symbolic":
-        from skolem.sim.symbolic.geometry import SymbolicGeometry
+        from skolem.sim import SymbolicGeometry
 
         return SymbolicGeometry(types)
-    from skolem.sim.planner.planner import PlanningWorld
+    from skolem.sim import PlanningWorld
 
     return PlanningWorld(types, seed)

@@ -11,7 +11,7 @@ from typing import IO, Protocol
 
 from google.protobuf.message import Message as Protobuf
 
-from skolem.reasoner.agent import Turn
+from skolem.reasoner import Turn
 from skolem.sim.scenario.scenario import believed_noise, moves_before, prior, true_bodies
 from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.planners import planner_of
@@ -19,10 +19,9 @@ from skolem.tools.loop.setup import Setup, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import LOADING, PHYSICS, RECORDING, SENSING, Stopwatch
 from skolem.tools.loop.verdict import verdict
-from skolem.traces import messages
+from skolem.traces import TraceWriter, messages
 from skolem.traces.file.environment import environment
 from skolem.traces.file.made_of import RULES, SCENARIO
-from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import Action, ActionResult, Observation, Pose4, RobotState, RunEnd, TrueState
 
 DROPPED = frozenset({"preimage_lost", "refused"})  # causes for which plans are given up
@@ -220,10 +219,10 @@ class _Run:
         base, noise = (robot.base.x, robot.base.y, robot.base.theta), setup.scenario.true_noise.message()
         told = believed_noise(setup.scenario)
         if setup.world == "symbolic":
-            from skolem.sim.symbolic.world import SymbolicWorld
+            from skolem.sim import SymbolicWorld
 
             return SymbolicWorld(types, bodies, base, robot.torso_m, noise, setup.seed, told)
-        from skolem.sim.physics.pybullet import PyBulletWorld
+        from skolem.sim import PyBulletWorld
 
         return PyBulletWorld(types, bodies, base, robot.torso_m, noise, setup.seed, self._record, setup.images, told)
 

@@ -5,11 +5,10 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from skolem.estimation.config import EstimatorConfig
-from skolem.reasoner.language.expressions import Goal
-from skolem.reasoner.language.parser import goal_faults, parse_goal
+from skolem.estimation import EstimatorConfig
+from skolem.reasoner import Goal, load_rules, parse_goal
+from skolem.reasoner.language.parser import goal_faults
 from skolem.reasoner.lint.wrong_rules import refuse_wrong
-from skolem.reasoner.planning.queries import load_rules
 from skolem.reasoner.planning.relations import misused, too_sure
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import Document, Scenario, check, load_document

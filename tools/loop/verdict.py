@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner import Goal
 from skolem.reasoner.planning.goals import achieved_by
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.space.footprints import footprint, overhang

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
 
-from skolem.reasoner.language.parser import parse_goal
+from skolem.reasoner import parse_goal
 from skolem.tools.loop.planners import planner_of
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.geometry import RecalledGeometry

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from skolem.reasoner.agent import Turn
-from skolem.reasoner.language.expressions import Goal
+from skolem.reasoner import Goal, Turn
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.stopwatch import Stopwatch

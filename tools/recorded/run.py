@@ -7,12 +7,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
+from skolem.traces import Trace
 from skolem.traces.compare.diff import by_step
 from skolem.traces.errors import TraceError
 from skolem.traces.file.codec import NO_CHAIN, counter_of
 from skolem.traces.file.known_fields import KnownFields
 from skolem.traces.file.made_of import digest, disagreements
-from skolem.traces.file.reader import UNREADABLE, Recorded, Trace
+from skolem.traces.file.reader import UNREADABLE, Recorded
 from skolem.traces.messages import (
     JSON_TOPICS,
     Action,

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from skolem.reasoner.language.expressions import Believed, Goal
+from skolem.reasoner import Goal
+from skolem.reasoner.language.expressions import Believed
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import Document, prior, read_document
 from skolem.tools.loop.setup import understood

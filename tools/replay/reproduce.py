@@ -39,8 +39,8 @@ def reproduce(
     from skolem.tools.recorded.divergences import comparison_fields, divergence_lines
     from skolem.tools.replay import reproducing
     from skolem.tools.words.live import watcher_for
+    from skolem.traces import Trace
     from skolem.traces.compare.diff import tolerance_for
-    from skolem.traces.file.reader import Trace
 
     if keep is not None and keep.exists():
         raise InputError([Fault("--keep", 0, 0, f"{keep} exists and is not replaced; give another name")])

@@ -10,10 +10,11 @@ from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.replaying import other_end
 from skolem.tools.recorded.rules import rulebook_of
 from skolem.tools.recorded.run import CUT_SHORT, check_made_of
+from skolem.traces import Trace
 from skolem.traces.compare.diff import NOT_TIMED, Comparison, Tolerance, by_step
 from skolem.traces.errors import TraceError
 from skolem.traces.file.made_of import SCENARIO
-from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import RunEnd, RunStart
 
 

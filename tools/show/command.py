@@ -10,8 +10,8 @@ import typer
 
 from skolem.tools.words.plan_tree import tree_lines
 from skolem.tools.words.printable import printable
+from skolem.traces import Trace
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Meaning, Plan, RunEnd, RunStart
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)

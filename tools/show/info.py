@@ -10,7 +10,7 @@ import typer
 from skolem.tools.words.optimality import optimality_of_all
 from skolem.tools.words.printable import printable
 from skolem.tools.words.trace_account import Account, account
-from skolem.traces.file.reader import Trace
+from skolem.traces import Trace
 from skolem.traces.messages import CLASS_OF
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)

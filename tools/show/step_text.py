@@ -8,8 +8,8 @@ from skolem.tools.recorded.rules import rulebook_of
 from skolem.tools.words.belief_table import COLUMNS, belief_rows, object_cells, probability, table_lines
 from skolem.tools.words.optimality import optimality
 from skolem.tools.words.plan_tree import DROPPED, drop_line, plan_lines
+from skolem.traces import Trace
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,

@@ -9,7 +9,8 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from skolem.reasoner.language.expressions import Believed, Estimated, Goal
+from skolem.reasoner import Goal
+from skolem.reasoner.language.expressions import Believed, Estimated
 from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import PARTS, RECORDING
 from skolem.tools.sweep.rows import Row

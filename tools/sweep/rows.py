@@ -8,8 +8,8 @@ from pathlib import Path
 
 from skolem.tools.loop.session import DROPPED
 from skolem.tools.loop.stopwatch import PARTS
+from skolem.traces import Trace
 from skolem.traces.errors import TraceError
-from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from skolem.reasoner.planning.queries import load_rules
+from skolem.reasoner import load_rules
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import load_document
 from skolem.tools.loop.session import Outcome, run
@@ -20,8 +20,8 @@ from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import LOADING, Stopwatch
 from skolem.tools.sweep.rows import Row, read_row
 from skolem.tools.words.live import Silence
+from skolem.traces import Trace
 from skolem.traces.errors import InputError, SkolemError, TraceError
-from skolem.traces.file.reader import Trace
 from skolem.traces.messages import RunStart
 
 BY_ITSELF = frozenset({"goal_achieved", "goal_unachievable", "limit_reached"})  # ends that another attempt would repeat

@@ -39,7 +39,7 @@ def view(
         raise InputError([Fault("--at", 0, 0, "says when the picture of --shot is taken; add --shot PICTURE.png")])
     from skolem.tools.view import viewing
     from skolem.tools.view.viewer import shoot
-    from skolem.traces.file.reader import Trace
+    from skolem.traces import Trace
 
     if follow:
         viewing.follow_run(trace)

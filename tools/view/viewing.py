@@ -13,9 +13,9 @@ from skolem.sim.robot import pr2
 from skolem.sim.robot.assets import patched_urdf_path
 from skolem.tools.loop.children import has_display
 from skolem.tools.view import viewer
+from skolem.traces import Trace, follow
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.file.following import follow
-from skolem.traces.file.reader import MAGIC, Trace
+from skolem.traces.file.reader import MAGIC
 from skolem.traces.messages import TICKS_PER_SECOND, Action
 from skolem.traces.scene.recording import APPLICATION, Scene, convert
 from skolem.traces.scene.robot import RobotModel

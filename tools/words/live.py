@@ -19,7 +19,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from skolem.reasoner.agent import Turn
+from skolem.reasoner import Turn
 from skolem.tools.loop.session import DROPPED
 from skolem.tools.loop.setup import Setup
 from skolem.tools.words.belief_table import COLUMNS, belief_rows

@@ -5,9 +5,10 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 from skolem.tools.words.plan_tree import DROPPED
+from skolem.traces import Trace
 from skolem.traces.file.clock import time_ns
 from skolem.traces.file.codec import ContentHash
-from skolem.traces.file.reader import Recorded, Trace
+from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import TICKS_PER_SECOND, Action, Decision, Plan, RunEnd, RunStart, Verdict
 
 COUNTED = ("/run/start", "/plan", "/decision", "/action", "/run/end", "/truth/verdict")
