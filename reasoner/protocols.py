@@ -1,4 +1,4 @@
-"""What the reasoner asks of others: a belief to query and a geometry to consult.
+"""The questions that the reasoner asks of the belief and of the geometry.
 
 `skolem.estimation.Belief` satisfies `BeliefQueries`; `PlanningWorld` and `SymbolicGeometry` of `skolem.sim` satisfy
 `Geometry`. Tests satisfy both with a table.
@@ -47,7 +47,7 @@ class BeliefQueries(Protocol):
         ...
 
     def prob_exists(self, anchor: str) -> float:
-        """P(there is such an object); 0 for an unknown anchor."""
+        """P(the object exists); 0 for an unknown anchor."""
         ...
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
@@ -55,19 +55,19 @@ class BeliefQueries(Protocol):
         ...
 
     def prob_on(self, anchor: str, support: str) -> float:
-        """P(the object rests wholly on the top of `support`), given that both exist; 0 while it is held."""
+        """P(the object rests wholly on the top of `support`), given that both exist; 0 while a hand holds it."""
         ...
 
     def support(self, anchor: str) -> str | None:
-        """What the object most likely rests on; None: the floor, nothing known, or a hand."""
+        """The most likely support of the object; None for the floor, for a hand, and if nothing is known."""
         ...
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """P(the middles of two objects are at most so far apart, in the plane), given that both exist."""
+        """P(the middles of two objects are at most `distance_m` apart in the plane), given that both exist."""
         ...
 
     def prob_property_of_new(self, meaning: Meaning) -> float:
-        """P(an arbitrary object that nobody has met yet has the property)."""
+        """P(an arbitrary object that is not met yet has the property)."""
         ...
 
     def regions(self) -> tuple[str, ...]:
@@ -79,11 +79,11 @@ class BeliefQueries(Protocol):
         ...
 
     def prob_contents(self, region: str) -> float:
-        """BContents: the part of the region that has been seen, known objects taken out."""
+        """BContents: the seen share of the region, without the space of known objects."""
         ...
 
     def prob_exists_in(self, region: str, match: float) -> float:
-        """P(the unseen part of the region holds an object with a property that an arbitrary one has with p = match)."""
+        """P(the unseen part of the region holds an object of some kind); `match` is P(an arbitrary object is of it)."""
         ...
 
     def graspable(self, anchor: str) -> bool:
@@ -117,15 +117,15 @@ class BeliefQueries(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Activity:
-    """Something to be done from a base pose.
+    """An activity of the robot at a base pose.
 
     Attributes:
         kind: "look", "look_region", "pick", "place" or "weigh".
-        anchor: The object it is about; the region for look_region.
-        hand: The hand that does it; None for a look.
-        support: Where to place; None otherwise.
-        clear_of: What the object must not stand in the way of when it is placed; None if that does not matter.
-        elsewhere: Whether it was done from here in vain: only if there is nowhere else is it to be done from here.
+        anchor: The object of the activity; the region for look_region.
+        hand: The hand of a pick, place or weigh; None for a look.
+        support: The support of a place; None otherwise.
+        clear_of: An activity that the placed object must not stand in the way of; None if there is none.
+        elsewhere: Whether the activity was done from here in vain, so that other base poses are to be preferred.
     """
 
     kind: str
@@ -143,7 +143,7 @@ class Activity:
 
 
 class Geometry(Protocol):
-    """Answers computed on the belief it was last given; pure in (belief, question, run seed)."""
+    """Answers about the belief of the last `sync`; each is a pure function of (belief, question, run seed)."""
 
     def sync(self, belief: Belief) -> None:
         """Take over the believed world; every later answer is about it."""
@@ -154,9 +154,9 @@ class Geometry(Protocol):
         ...
 
     def approach(self, activity: Activity) -> MoveBase | None:
-        """Return a drive to a base pose from which `activity` can be done (pick and place: and its object seen)."""
+        """Return a drive to a base pose from which `activity` can be done; for pick and place, its object is seen."""
         ...
 
     def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return the movable anchors to take away before `activity` can be done from anywhere; empty if it is free."""
+        """Return the movable anchors that block `activity` from every base pose; empty if nothing blocks it."""
         ...

@@ -18,8 +18,8 @@ ANY: Final = "any"  # in a pattern, stands for every term
 MICRO: Final = 1_000_000
 CAP_MICRONATS: Final = 50 * MICRO  # p = 2e-22; 42 such costs still sum within clingo's 32 bits
 _MEMORY: Final = 1 << 14  # terms whose symbol, and texts whose term, are remembered
-_PART: Final = re.compile(r"([^(),]*)([(),]|$)")  # of the text of a symbol: a name or nothing, and what ends it
-_FOREIGN: Final = re.compile(r'["#]|-(?!\d)')  # what the text of a symbol has if part of it is not a term
+_PART: Final = re.compile(r"([^(),]*)([(),]|$)")  # in a symbol's text: a name or nothing, and the mark that ends it
+_FOREIGN: Final = re.compile(r'["#]|-(?!\d)')  # marks of a symbol's text that no term has
 
 
 @total_ordering
@@ -102,7 +102,9 @@ def from_symbol(symbol: clingo.Symbol) -> Term:
 
 @lru_cache(_MEMORY)
 def read_term(text: str) -> Term:
-    """Return the term of the symbol that clingo prints as `text`: reading it is cheaper than asking for each part.
+    """Return the term of the symbol that clingo prints as `text`.
+
+    Reading the text is cheaper than asking clingo for each part.
 
     Raises:
         ValueError: As `from_symbol`.
@@ -141,7 +143,7 @@ def parse_term(text: str) -> Term:
 
 
 def substitute(term: Term, binding: Mapping[Term, Term]) -> Term:
-    """Return `term` with every subterm that `binding` maps replaced, outermost first."""
+    """Return `term` with its subterms replaced as `binding` maps them, outermost first."""
     if term in binding:
         return binding[term]
     if not isinstance(term, Compound):

@@ -1,4 +1,4 @@
-"""A position in the tokens of a text, with the faults found so far: what every recursive-descent parser here needs."""
+"""A cursor over the tokens of a text: the base of recursive-descent parsers."""
 
 import re
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ _TOKEN: Final = re.compile(
 
 
 class ParseFault(Exception):  # noqa: N818 - it is a fault, reported as one
-    """A sentence whose structure cannot be read, with the offset where that shows."""
+    """A text whose structure cannot be parsed, with the offset of the first wrong token."""
 
     def __init__(self, offset: int, message: str) -> None:
         super().__init__(message)
@@ -38,10 +38,10 @@ class Token:
 
 
 def tokens_of(text: str) -> list[Token]:
-    """Return the tokens of a text, the end last.
+    """Return the tokens of a text; the last one marks the end.
 
     Raises:
-        ParseFault: At a character that starts no token, or if the text is too long.
+        ParseFault: If a character starts no token, or the text is too long.
     """
     if len(text) > MAX_CHARACTERS:
         raise ParseFault(0, f"a goal of {len(text)} characters; at most {MAX_CHARACTERS} are read")
@@ -59,11 +59,11 @@ def tokens_of(text: str) -> list[Token]:
 
 
 class Cursor:
-    """One reading of one text.
+    """The state of parsing one text.
 
     Attributes:
-        tokens: All tokens, the end last.
-        faults: (offset, message) of every fault that did not stop the reading.
+        tokens: All tokens; the last one marks the end.
+        faults: (offset, message) of every fault that did not stop the parser.
     """
 
     def __init__(self, text: str) -> None:
@@ -73,44 +73,44 @@ class Cursor:
 
     @property
     def token(self) -> Token:
-        """The token to be read next."""
+        """The next token."""
         return self.tokens[self._position]
 
     def take(self) -> Token:
-        """Pass the next token and return it; the end is never passed."""
+        """Return the next token and move on; the cursor stays at the end."""
         token = self.token
         self._position = min(self._position + 1, len(self.tokens) - 1)
         return token
 
     def accept(self, *texts: str) -> bool:
-        """Pass the next token if it is one of `texts`."""
+        """Move past the next token if it is one of `texts`; return whether it was."""
         found = self.token.kind != "end" and self.token.text in texts
         if found:
             self.take()
         return found
 
     def expect(self, text: str, where: str = "") -> None:
-        """Pass the next token, which must be `text`; `where` ends the sentence of the fault."""
+        """Move past the next token, which must be `text`; `where` ends the message of the fault."""
         if not self.accept(text):
             self.stop(f"expected {text!r}{where}")
 
     def expect_end(self) -> None:
-        """Stop unless everything has been read."""
+        """Raise a `ParseFault` unless the cursor is at the end."""
         if self.token.kind != "end":
             self.stop("expected '&' or the end")
 
     def stop(self, expected: str) -> NoReturn:
-        """Give up here: raise a `ParseFault` at the next token."""
+        """Raise a `ParseFault` at the next token."""
         if self.token.text.lower() in REFUSED:
             raise ParseFault(self.token.offset, REFUSED[self.token.text.lower()])
         raise ParseFault(self.token.offset, f"{expected}, found {self.token}")
 
     def complain(self, token: Token, message: str) -> None:
-        """Note a fault at a token and go on."""
+        """Record a fault at a token and go on."""
         self.faults.append((token.offset, message))
 
     def count_part(self) -> None:
-        """Count one more part of the sentence; stop when there are too many."""
+        """Count one more part of the text; raise a `ParseFault` if there are too many."""
         self._parts += 1
         if self._parts > MAX_PARTS:
             raise ParseFault(self.token.offset, f"more than {MAX_PARTS} parts; state a simpler goal")

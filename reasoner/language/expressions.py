@@ -1,7 +1,7 @@
-"""The goal language as values: descriptions, beliefs about them, goals; their text and their terms.
+"""The goal language as values: descriptions, conjuncts and goals, with their text and their terms.
 
-A description is a lambda expression (section "Denoting objects"). A goal asks that, for some objects, several things be
-believed of them with given probabilities:
+A description is a lambda expression (section "Denoting objects"). A goal asks that some objects exist of which several
+statements are believed with given probabilities:
 
     exists o. B(Den(lambda x. Green(x), o), 0.9) & B(In(o, table1), 0.9)
 
@@ -134,7 +134,7 @@ def _operand(expression: Expression, plain: type | UnionType) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Lambda:
-    """A description of objects: those of which the body holds. No two binders in it share a name."""
+    """A description of the objects for which the body holds. No two binders in it share a name."""
 
     variable: str
     body: Expression
@@ -181,12 +181,12 @@ class Believed:
 
 @dataclass(frozen=True, slots=True)
 class Estimated:
-    """B(phi, mu, Sigma, Delta, p): a quantity is known this well, with mixture weight at least p.
+    """B(phi, mu, Sigma, Delta, p): a quantity is known to within Sigma, with mixture weight at least p.
 
     Attributes:
         quantity: pose (x, y [m], theta [rad], in the frame of the base), colour (hue, saturation, value, 0..1) or
             weight (ln kg).
-        argument: The object it is about.
+        argument: The object that has the quantity.
         mean: mu; None, written `any`, when only certainty is asked for.
         sd: Sigma, diagonal, written as standard deviations.
         tolerance: Delta: how far the believed mean may be from mu, per component.
@@ -220,7 +220,7 @@ Conjunct = Believed | Estimated | Designated
 
 
 def arguments_of(conjunct: Conjunct) -> tuple[Argument, ...]:
-    """Return what a conjunct is about."""
+    """Return the objects and numbers in a conjunct."""
     if not isinstance(conjunct, Believed):
         return (conjunct.argument,)
     return conjunct.phi.args if isinstance(conjunct.phi, Atom) else (conjunct.phi.argument,)
@@ -228,7 +228,7 @@ def arguments_of(conjunct: Conjunct) -> tuple[Argument, ...]:
 
 @dataclass(frozen=True)
 class Goal:
-    """Objects exist for which every conjunct is believed; the same object wherever the same variable stands."""
+    """A goal: objects exist for which every conjunct is believed; a variable means one object throughout."""
 
     variables: tuple[str, ...]
     conjuncts: tuple[Conjunct, ...]
@@ -239,7 +239,7 @@ class Goal:
 
     @cached_property
     def expressions(self) -> dict[str, Lambda]:
-        """The different descriptions by their constants e1, e2, .. in order of appearance."""
+        """The distinct descriptions by their constants e1, e2, .. in order of appearance."""
         phis = [conjunct.phi for conjunct in self.conjuncts if isinstance(conjunct, Believed)]
         found = dict.fromkeys(phi.description for phi in phis if isinstance(phi, Den))
         return {f"e{index}": description for index, description in enumerate(found, 1)}

@@ -1,4 +1,4 @@
-"""Reading the goal language: a recursive-descent parser that reports every fault with its place.
+"""The parser of the goal language: recursive descent, with a position for every fault.
 
     goal   = { "exists" name {"," name} "." } belief { "&" belief }
     belief = "B(" phi "," p ")" | "B(" quantity "," mu "," Sigma "," Delta "," p ")" | "KRD(" object ")"
@@ -7,8 +7,8 @@
     expr   = expr "&" expr | expr "|" expr | "exists" name {"," name} "." expr | "(" expr ")" | word "(" arguments ")"
            | "And(" expr "," expr ")" | "Or(" expr "," expr ")" | "Exists(" name "," expr ")"
 
-`&` binds tighter than `|`; the body of a lambda or an `exists` reaches as far to the right as it can. A wrong sentence
-structure stops the reading at once; wrong words, arities, variables, names and numbers are all collected.
+`&` binds tighter than `|`; the body of a lambda or an `exists` reaches as far to the right as it can. A wrong structure
+stops the parser at once; wrong words, arities, variables, names and numbers are all collected.
 """
 
 import math
@@ -73,7 +73,7 @@ def parse_lambda(text: str, words: Mapping[str, int], names: Collection[str] | N
 
 
 def goal_faults(text: str, words: Mapping[str, int], names: Collection[str] | None = None) -> list[tuple[int, str]]:
-    """Return every fault of a goal as (offset, message), in order; none if it can be parsed."""
+    """Return every fault of a goal as (offset, message), in order; empty if the goal can be parsed."""
     return _attempt(text, words, names, _Parser.goal)[1]
 
 
@@ -252,7 +252,7 @@ class _Parser(Cursor):
         return Lambda(variable, body)
 
     def bind(self, token: Token) -> str:
-        """Open the scope of a variable and return its name, unlike every other of this description."""
+        """Open the scope of a variable and return a name that is unique in this description."""
         unique, count = token.text, 1
         while unique in self.binders or (count > 1 and unique in self.identifiers):
             count += 1

@@ -11,7 +11,7 @@ Symbols = clingo.Symbol | list[clingo.Symbol]  # a query's answer, to clingo
 
 
 class Asked:
-    """Answers the @functions of the rules from a queries object, each question only once."""
+    """Answers the @functions of the rules from a queries object; each answer is computed once."""
 
     def __init__(self, queries: object) -> None:
         self._queries = queries
@@ -25,7 +25,7 @@ class Asked:
                 found = memo[symbols] = self._answer(name, symbols)
             return found
 
-        setattr(self, name, ask)  # from now on clingo finds it without coming here
+        setattr(self, name, ask)  # from now on clingo finds the attribute itself
         return ask
 
     def _answer(self, name: str, symbols: Sequence[clingo.Symbol]) -> Symbols:

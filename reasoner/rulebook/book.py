@@ -1,4 +1,4 @@
-"""The rule files: loaded, validated and parsed once; solved anew for every question."""
+"""The rulebook: rule files that are loaded and validated once, and solved for every question."""
 
 import hashlib
 import weakref
@@ -22,7 +22,7 @@ from skolem.traces.errors import Fault, InputError, InternalError
 
 RULE_FILES: Final = (  # the table of contents of the folder rules/
     "vocabulary",  # words and their meanings
-    "denote",  # what a description means
+    "denote",  # the denotation of descriptions
     "infer",  # from descriptions to properties to quantities
     "find",  # from descriptions to regions
     "look",
@@ -32,11 +32,11 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "pick",
     "place",
     "move",
-    "mutex",  # what may not hold together
-    "regress",  # what one regression step hands over
+    "mutex",  # fluents that exclude each other
+    "regress",  # the atoms that one regression step reads
 )
 ABOUT_DESCRIPTIONS: Final = "denote"  # the one file that is not about steps
-COMPILED: Final = (ABOUT_DESCRIPTIONS, "mutex")  # asked once, before: left out of the questions of a search
+COMPILED: Final = (ABOUT_DESCRIPTIONS, "mutex")  # asked once before a search, and left out of its questions
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Answer:
 
     Attributes:
         atoms: By predicate, the argument tuples of its atoms, sorted by text.
-        ground_atoms: Number of atoms in the ground program: the measure of its size.
+        ground_atoms: Number of atoms in the ground program, a measure of its size.
     """
 
     atoms: dict[str, list[tuple[Term, ...]]]
@@ -54,12 +54,12 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Answers:
-    """What follows from each of several questions.
+    """The answers to several questions.
 
     Attributes:
-        atoms: Per question its shown atoms, as in `Answer`.
+        atoms: The shown atoms of each question, as in `Answer`.
         ground_atoms: Number of atoms in the ground program for all of them.
-        asked: Whether clingo was called: it is not if no rule can fire.
+        asked: Whether clingo was called; it is not called if no rule can fire.
     """
 
     atoms: list[dict[str, list[tuple[Term, ...]]]]
@@ -72,9 +72,9 @@ class Rulebook:
     """Rule files that passed validation.
 
     Attributes:
-        vocabulary: The words they define.
+        vocabulary: The words that the files define.
         files: File name to content, in the order in which they are loaded.
-        warnings: What is allowed but probably not meant.
+        warnings: Statements that are allowed but probably not meant.
     """
 
     vocabulary: Vocabulary
@@ -86,12 +86,12 @@ class Rulebook:
 
     @classmethod
     def load(cls, queries_type: type, extra: Sequence[Path] = (), folder: Path | None = None) -> "Rulebook":
-        """Return the rules that ship with the product and those of the user.
+        """Return the rules that ship with the product, with those of the user.
 
         Args:
             queries_type: The class whose public methods rules may call as @functions.
             extra: A user's own rule files.
-            folder: Holds every file of `RULE_FILES`, to be used instead of those that ship; None for those.
+            folder: A folder with every file of `RULE_FILES`, used instead of those that ship; None for those.
 
         Raises:
             InputError: With every fault in every file.
@@ -102,7 +102,7 @@ class Rulebook:
 
     @classmethod
     def of(cls, queries_type: type, sources: Sequence[RuleFile]) -> "Rulebook":
-        """Return the rules in files that were read already, in the order in which they are to be loaded.
+        """Return the rules in files that are already read; they are loaded in the order of `sources`.
 
         Raises:
             InputError: With every fault in every file.
@@ -123,7 +123,7 @@ class Rulebook:
         return tuple((file, tuple(s.tree for s in self._statements[file.name])) for file in self._sources)
 
     def stating(self, predicate: Signature) -> tuple[str, ...]:
-        """Return the names of the files with facts or rules of a predicate, without `.lp`."""
+        """Return the names, without `.lp`, of the files that have facts or rules of a predicate."""
         return tuple(
             name
             for name, statements in self._statements.items()
@@ -136,7 +136,7 @@ class Rulebook:
         return {name: hashlib.sha256(content).hexdigest() for name, content in self.files.items()}
 
     def solve(self, facts: Iterable[Term], queries: object, files: Sequence[str] | None = None) -> Answer:
-        """Return what follows from `facts`.
+        """Return the shown atoms that follow from `facts`.
 
         Args:
             facts: Ground atoms, each `goal(..)` or another input of the rules.
@@ -144,13 +144,13 @@ class Rulebook:
             files: Names of the rule files to use, without `.lp`; None for all.
 
         Raises:
-            InternalError: If clingo has anything to say, a query fails, or there is not exactly one answer set.
+            InternalError: If clingo gives a message, a query fails, or there is not exactly one answer set.
         """
         answers = self.solve_each([tuple(facts)], Asked(queries), files)
         return Answer(answers.atoms[0], answers.ground_atoms)
 
     def solve_each(self, questions: Sequence[Question], asked: Asked, files: Sequence[str] | None = None) -> "Answers":
-        """Return what follows from each of some sets of facts, as if it were alone, from one call of clingo.
+        """Return the shown atoms that follow from each set of facts; one call of clingo answers all.
 
         Args:
             questions: Sets of facts, as for `solve`.
@@ -188,11 +188,11 @@ def _clear(*kept: dict[Any, Any]) -> None:
 
 
 def rule_files(extra: Sequence[Path] = (), folder: Path | None = None) -> tuple[list[RuleFile], list[Fault]]:
-    """Return the rule files that ship with the product and those of the user, and why some cannot be read.
+    """Return the rule files that ship with the product and those of the user, with a fault for each unreadable one.
 
     Args:
         extra: A user's own rule files.
-        folder: Holds every file of `RULE_FILES`, to be used instead of those that ship; None for those.
+        folder: A folder with every file of `RULE_FILES`, used instead of those that ship; None for those.
     """
     faults: list[Fault] = []
     if folder is None:
@@ -208,7 +208,7 @@ def rule_files(extra: Sequence[Path] = (), folder: Path | None = None) -> tuple[
 
 
 def _own_files(paths: Sequence[Path], taken: set[str]) -> tuple[list[RuleFile], list[Fault]]:
-    """Return the rule files at some paths, and why others are none."""
+    """Return the rule files at some paths, with a fault for each path that has none."""
     found, faults = [], []
     for path in paths:
         try:

@@ -1,4 +1,4 @@
-"""Rules with their equations put in, and what their comparisons tell of numbers: for the check of recursion."""
+"""Rules with their equations substituted and the bounds of their variables, for the check of recursion."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -8,26 +8,26 @@ from typing import Final
 
 from skolem.reasoner.rulebook.parts import ANONYMOUS, VARIABLE, Atom, Comparison, Nested, Signature, Statement
 
-WIDEST: Final = 10_000  # numbers that a rule may count, or an interval may have
+WIDEST: Final = 10_000  # most numbers in an interval, and greatest bound up to which a rule may count
 OTHER_WAY: Final = {"+": "-", "-": "+"}
 _COUNTED: Final = re.compile(rf"(?P<name>{VARIABLE.pattern}) = #")
 _STEP: Final = re.compile(rf"\((?P<name>{VARIABLE.pattern})(?P<way>[-+])[1-9]\d*\)")
 _REMAINDER: Final = re.compile(r"\((?P<left>.*)\\[1-9]\d*\)")
 _NUMBER: Final = re.compile(r"-?\d+")
 
-Limit = tuple[str, str]  # a variable that a comparison with a number holds, with `+` if it cannot go up for ever
+Limit = tuple[str, str]  # a variable and the direction in which a comparison with a number bounds it: `+` upwards
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A rule with its equations put in, and a name for every `_`.
+    """A rule whose equations are substituted and whose `_` have names.
 
     Attributes:
-        statement: As it stands in its file.
-        head: Its head.
-        body: Its positive atoms.
-        limits: What its comparisons with numbers hold.
-        counted: Variables that are the number of something.
+        statement: The rule as it stands in its file.
+        head: Predicate and arguments of its head.
+        body: Predicate and arguments of its positive atoms.
+        limits: The bounds that its comparisons with numbers give.
+        counted: Variables that an aggregate gives their value.
     """
 
     statement: Statement
@@ -38,11 +38,11 @@ class Rule:
 
 
 def read(statement: Statement, rule: Statement, constants: Mapping[str, int | None]) -> Rule:
-    """Return a rule without pools, in which each variable is replaced of which an equation says what it is.
+    """Return a rule in which variables with an equation X = t are replaced by t.
 
     Args:
-        statement: As it stands in its file.
-        rule: The same, or one of the rules that it stands for.
+        statement: The rule as it stands in its file.
+        rule: The same without pools, or one of the rules into which its pools unfold.
         constants: The numbers that `#const` names.
     """
     assert isinstance(rule.head, Atom)
@@ -75,19 +75,19 @@ def variables(term: str) -> frozenset[str]:
 
 
 def step(term: str) -> tuple[str, str]:
-    """Return variable and way of a term that is a variable and a number more or less; two empty texts of others."""
+    """Return ("X", "+") for a term X+n and ("X", "-") for X-n; ("", "") for any other term."""
     match = _STEP.fullmatch(term)
     return ("", "") if match is None else (match["name"], match["way"])
 
 
 def is_remainder(term: str) -> bool:
-    """Return whether a term is what a division by a number leaves, of which there are as many as that number says."""
+    """Return whether a term is the remainder of a division by a number, which has finitely many values."""
     match = _REMAINDER.fullmatch(term)
     return match is not None and (VARIABLE.fullmatch(match["left"]) is not None or _in_brackets(match["left"]))
 
 
 def _in_brackets(text: str) -> bool:
-    """Return whether a text is one pair of brackets with what is in it."""
+    """Return whether one pair of brackets encloses the whole text."""
     depth = 0
     for i, mark in enumerate(text):
         depth += (mark == "(") - (mark == ")")
@@ -97,7 +97,7 @@ def _in_brackets(text: str) -> bool:
 
 
 def _limits(left: str, operator: str, right: str, constants: Mapping[str, int | None]) -> Iterator[Limit]:
-    """Yield what a comparison with a number holds."""
+    """Yield the bounds that a comparison with a number gives."""
     if operator in ("<", "<=", ">", ">="):
         ways = "+-" if operator.startswith("<") else "-+"
         for term, other, way in ((left, right, ways[0]), (right, left, ways[1])):

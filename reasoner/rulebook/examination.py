@@ -1,7 +1,7 @@
-"""Rule files examined: read, checked, grounded without a goal; every fault that one reading of them can tell.
+"""The examination of rule files: they are parsed, checked, and grounded without a goal, and all faults collected.
 
-A fault does not stop the examination. What it concerns is set aside, and what may be missing because of it is kept as
-`Doubt`, so that nothing is said that would not hold once it is mended.
+A fault does not stop the examination. The faulty statement is set aside, and `Doubt` keeps what may be missing because
+of it, so that no fault is reported that would vanish once the first one is mended.
 """
 
 import re
@@ -21,16 +21,16 @@ from skolem.reasoner.rulebook.vocabulary import WORD_FACTS, Place, Vocabulary, r
 from skolem.reasoner.terms import Compound, Term, from_symbol
 from skolem.traces.errors import Fault, InternalError
 
-_ABOUT_NAMES: Final = re.compile(r"info: atom does not occur in any rule head")  # told by the check of names, better
+_ABOUT_NAMES: Final = re.compile(r"info: atom does not occur in any rule head")  # the check of names says it better
 
 
 @dataclass(frozen=True, slots=True)
 class Doubt:
-    """What may be missing from rule files because of their faults.
+    """The parts of rule files that may be missing because of faults.
 
     Attributes:
         whole: Whether every statement was understood; if not, anything may be missing.
-        uncertain: Predicates of which some rules may be missing.
+        uncertain: Predicates that may lack some of their rules.
         words: Whether some words may have no meaning because of a fault.
     """
 
@@ -43,20 +43,20 @@ class Doubt:
         return not self.whole or bool(self.uncertain) or self.words
 
     def about(self, needed: Iterable[Signature]) -> bool:
-        """Return whether rules of some predicates may be missing."""
+        """Return whether any of these predicates may lack rules."""
         return not self.whole or not self.uncertain.isdisjoint(needed)
 
 
 @dataclass(frozen=True)
 class Examined:
-    """What rule files say, and what is wrong with them.
+    """The result of an examination.
 
     Attributes:
-        vocabulary: The words they define.
-        faults: What is wrong, in no order.
-        warnings: What is allowed but probably not meant.
-        doubt: What may be missing because of the faults.
-        files: Every file with the statements that are as they should be.
+        vocabulary: The words that the files define.
+        faults: All faults, in no order.
+        warnings: Statements that are allowed but probably not meant.
+        doubt: The parts that may be missing because of the faults.
+        files: Every file with its sound statements.
     """
 
     vocabulary: Vocabulary
@@ -67,17 +67,17 @@ class Examined:
 
     @property
     def sources(self) -> tuple[tuple[RuleFile, Sequence[AST]], ...]:
-        """Every file with the syntax trees of these statements."""
+        """Every file with the syntax trees of its sound statements."""
         return tuple((file, tuple(s.tree for s in statements)) for file, statements in self.files)
 
 
 def examine(sources: Sequence[RuleFile], queries_type: type, complete: bool = True) -> Examined:
-    """Return what rule files say when they are loaded together.
+    """Return the examination of rule files that are loaded together.
 
     Args:
         sources: The files, in the order in which they are to be loaded.
         queries_type: The class whose public methods are the @functions.
-        complete: Whether these are all the files that are meant; if not, nothing is said of what is missing.
+        complete: Whether these are all files; if not, missing definitions are no faults.
     """
     faults: list[Fault] = []
     files: list[tuple[RuleFile, Sequence[Statement]]] = []
@@ -101,7 +101,7 @@ def examine(sources: Sequence[RuleFile], queries_type: type, complete: bool = Tr
 
 
 class _NoAnswers:
-    """Queries that know nothing: for reading facts."""
+    """Queries without answers, for grounding facts alone."""
 
     def __getattr__(self, name: str) -> Callable[..., list[Term]]:
         return lambda *_: []
@@ -111,11 +111,11 @@ _Files = Sequence[tuple[RuleFile, Sequence[Statement]]]
 
 
 def _grounded(files: _Files, strict: bool) -> tuple[list[Fault], clingo.Control]:
-    """Return what clingo has to say about rules, and the rules grounded without those that it cannot take.
+    """Return clingo's messages about rules as faults, and the rules grounded without those that clingo refuses.
 
     Args:
         files: The rules.
-        strict: Whether everything that clingo remarks is a fault; if not, what concerns undefined atoms is not.
+        strict: Whether every message is a fault; if not, messages about undefined atoms are none.
     """
     faults: list[Fault] = []
     left = [(file, list(statements)) for file, statements in files]
@@ -129,19 +129,19 @@ def _grounded(files: _Files, strict: bool) -> tuple[list[Fault], clingo.Control]
             return faults, control
         fewer = [(file, [s for s in statements if not _concerns(found, file, s)]) for file, statements in left]
         if sum(len(s) for _, s in fewer) == sum(len(s) for _, s in left):
-            fewer = [(file, []) for file, _ in left]  # clingo did not say which: nothing is left that it could refuse
+            fewer = [(file, []) for file, _ in left]  # no message names a statement: drop all
         left = fewer
 
 
 def _concerns(faults: Iterable[Fault], file: RuleFile, statement: Statement) -> bool:
-    """Return whether a fault stands inside a statement."""
+    """Return whether any of the faults lies inside a statement."""
     begin, end = statement.tree.location.begin, statement.tree.location.end
     first, last = (begin.line, begin.column), (end.line, end.column)
     return any(fault.file == file.title and first <= (fault.line, fault.column) <= last for fault in faults)
 
 
 def _facts_alone(statements: Iterable[Statement], messages: list[str]) -> clingo.Control | None:
-    """Return the rules grounded without any question, None if that cannot be; clingo's words go to `messages`."""
+    """Return the rules grounded without any question, or None if clingo refuses; its messages go to `messages`."""
     control = clingo.Control(list(CLINGO_OPTIONS), logger=lambda _code, text: messages.append(text), message_limit=100)
     with ast.ProgramBuilder(control) as builder:
         for statement in statements:
@@ -160,7 +160,7 @@ def _facts_alone(statements: Iterable[Statement], messages: list[str]) -> clingo
 
 
 def _word_facts(control: clingo.Control, files: _Files) -> list[tuple[Compound, Place]]:
-    """Return the atoms that give words a meaning, each with its place."""
+    """Return the atoms that give words a meaning, each with its position."""
     places = _places(files)
     found = []
     for signature in WORD_FACTS.items():
@@ -172,7 +172,7 @@ def _word_facts(control: clingo.Control, files: _Files) -> list[tuple[Compound, 
 
 
 def _places(files: _Files) -> Mapping[str, Place]:
-    """Return where each word fact stands, by its text, and where each predicate of word facts is derived first."""
+    """Return the position of each word fact by its text, and of each predicate's first rule by `name/arity`."""
     found: dict[str, Place] = {}
     for file, statements in files:
         for statement in statements:
@@ -187,7 +187,7 @@ def _places(files: _Files) -> Mapping[str, Place]:
 
 
 def _arguments(symbol: AST) -> tuple[tuple[int, int], ...]:
-    """Return the line and column of each argument; none if there are several atoms in one."""
+    """Return the line and column of each argument; empty for a pool."""
     return tuple(map(_begin, symbol.arguments)) if symbol.ast_type is ASTType.Function else ()
 
 

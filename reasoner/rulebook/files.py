@@ -1,4 +1,4 @@
-"""Rule files as texts, and the statements in them: what can be parsed, and why the rest cannot."""
+"""Rule files as texts, parsed into statements and faults."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -11,10 +11,10 @@ from clingo.ast import AST, ASTType
 from skolem.traces.errors import Fault
 
 MAX_BYTES: Final = 200_000
-GREATEST: Final = 2**31 - 1  # clingo counts in 32 bits and wraps without a word
+GREATEST: Final = 2**31 - 1  # clingo counts in 32 bits and overflows without a message
 _SKIPPED_OR_TOKEN: Final = re.compile(
     r"""%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\])*"|(?P<include>\#include\b)|(?<![\w'])(?P<number>[1-9]\d*)\b"""
-    r"""|(?P<foreign>[^\x00-\x7f]+)""",  # clingo would name half a character, and fail over it
+    r"""|(?P<foreign>[^\x00-\x7f]+)""",  # clingo would print half a character, which cannot be decoded
     re.DOTALL,
 )
 _MESSAGE: Final = re.compile(r"(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: (?P<kind>\w+): (?P<text>.*)")
@@ -27,8 +27,8 @@ class RuleFile:
 
     Attributes:
         name: Its name without `.lp`.
-        title: How faults call it.
-        path: Where it was read; clingo's messages carry it.
+        title: Its name in faults.
+        path: The path it was read from, which clingo's messages carry.
         content: Its bytes.
         own: Whether it is a user's own file.
     """
@@ -40,13 +40,13 @@ class RuleFile:
     own: bool
 
     def fault(self, line: int, column: int, message: str) -> Fault:
-        """Return a fault in this file, with the line it is about."""
+        """Return a fault at a position in this file, with the text of that line."""
         lines = self.content.decode(errors="replace").splitlines()
         return Fault(self.title, line, column, message, excerpt=lines[line - 1] if 0 < line <= len(lines) else "")
 
 
 def parse(file: RuleFile) -> tuple[list[AST], list[Fault]]:
-    """Return the statements of a rule file that can be parsed, and the faults for which others cannot."""
+    """Return the statements of a rule file that can be parsed, and a fault for each of the others."""
     if len(file.content) > MAX_BYTES:
         return [], [Fault(file.title, 0, 0, f"a rule file of {len(file.content)} bytes; at most {MAX_BYTES} are read")]
     try:
@@ -70,7 +70,7 @@ def parse(file: RuleFile) -> tuple[list[AST], list[Fault]]:
 
 
 def _token_refusal(match: re.Match[str]) -> str:
-    """Return why a piece of text is not allowed, of which the syntax tree says nothing any more."""
+    """Return why a token is not allowed that the syntax tree does not keep."""
     if match["include"]:
         return "#include is not allowed: name each file"
     if match["foreign"]:
@@ -81,7 +81,7 @@ def _token_refusal(match: re.Match[str]) -> str:
 
 
 def explain(messages: Iterable[str], files: Sequence[RuleFile]) -> list[Fault]:
-    """Return what clingo's messages say about `files`, as faults."""
+    """Return clingo's messages about `files` as faults."""
     by_path = {file.path: file for file in files}
     faults = []
     for message in messages:

@@ -1,4 +1,4 @@
-"""Statements as they are loaded: made of those in rule files, parsed once, each on a line that tells its origin."""
+"""Statements as clingo loads them: each is one line of text and knows its origin in a rule file."""
 
 import re
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ class Line:
     """A statement as text.
 
     Attributes:
-        text: In one line.
-        origin: The statement in a rule file of which it was made, or the first of several; None if there is none.
+        text: The statement in one line.
+        origin: The statement of a rule file that it was made from, or the first of several; None if there is none.
     """
 
     text: str
@@ -37,11 +37,11 @@ class Loaded:
         """Parse statements."""
         found: list[AST] = []
         ast.parse_string("\n".join(line.text for line in lines), found.append)
-        self.statements = found[1:]  # the first is `#program base.`, which clingo says of its own accord
+        self.statements = found[1:]  # the first is `#program base.`, which clingo adds by itself
         self._origins = [line.origin for line in lines]
 
     def placed(self, message: str) -> str:
-        """Return a message of clingo about these statements with the place in a rule file that it is about."""
+        """Return a message of clingo about these statements, with the position in a rule file put in."""
         match = _PLACE.match(message)
         origin = None if match is None else self._origins[int(match["line"]) - 1]
         if match is None or origin is None:

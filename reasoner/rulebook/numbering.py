@@ -1,4 +1,4 @@
-"""Rules as they are loaded for many questions at once: each atom that depends on a question has its number in front."""
+"""Rules for many questions at once: atoms that depend on a question have its number as first argument."""
 
 from copy import deepcopy
 from dataclasses import dataclass
@@ -11,21 +11,21 @@ from clingo.ast import AST, ASTType
 from skolem.reasoner.rulebook.parts import ANONYMOUS, Atom, Nested, Signature, Statement, atom_text
 from skolem.reasoner.rulebook.validate import WITHOUT_PREDICATES, children
 
-PREFIX: Final = "_of_"  # of the predicates that got the number of the question
+PREFIX: Final = "_of_"  # of the predicates that have the question's number as first argument
 _NUMBER: Final = "Number_of_question"
 _UNNAMED: Final = "_Unnamed"
 
 
 @dataclass(frozen=True, slots=True)
 class Numbered:
-    """A rule for questions that are numbered, as text.
+    """A rule for numbered questions, as text.
 
     Attributes:
         origin: The rule as it stands in its file.
         name: The predicate of its head.
         arguments: The arguments of its head.
         body: The elements of its body.
-        flat: Whether its body has only atoms and comparisons, so that all its variables are those of the rule.
+        flat: Whether its body has only atoms and comparisons, so that no variable is local to a part.
     """
 
     origin: AST
@@ -40,7 +40,7 @@ class Numbered:
 
 
 def numbered_rule(rule: Statement, numbered: frozenset[Signature]) -> Numbered:
-    """Return a rule, without pools of atoms, for questions that are numbered."""
+    """Return a rule without pools as a rule for numbered questions."""
     head = rule.head
     assert isinstance(head, Atom), "a rule derives an atom"
     (arguments,) = head.pool
@@ -54,7 +54,7 @@ def numbered_rule(rule: Statement, numbered: frozenset[Signature]) -> Numbered:
 
 
 def numbered_show(statement: Statement, numbered: frozenset[Signature]) -> str:
-    """Return `#show` of a predicate or of terms for questions that are numbered."""
+    """Return a `#show` of a predicate or of terms for numbered questions."""
     tree = statement.tree
     if statement.kind is ASTType.ShowSignature:
         return f"#show {PREFIX}{tree.name}/{tree.arity + 1}." if (tree.name, tree.arity) in numbered else str(tree)
@@ -65,7 +65,7 @@ def numbered_show(statement: Statement, numbered: frozenset[Signature]) -> str:
 
 
 def _body(statement: Statement, numbered: frozenset[Signature]) -> tuple[list[str], bool]:
-    """Return the elements of a body with the number in those that take it, and whether any does.
+    """Return the elements of a body with the question's number in those that take it, and whether any does.
 
     Every `_` in positive literals gets a name. For `p(X, _)` clingo makes one more predicate, p without its last place,
     and a rule for it. Where rules have few instances each, such rules cost more than they save. Under `not` the `_`
@@ -90,13 +90,13 @@ def _body(statement: Statement, numbered: frozenset[Signature]) -> tuple[list[st
 
 
 def _bound(statement: Statement, body: list[str], numbered: frozenset[Signature]) -> list[str]:
-    """Return a body in which some positive literal says which questions there are."""
+    """Return a body in which some positive literal binds the question's number."""
     says = any(isinstance(p, Atom) and not p.sign and not numbered.isdisjoint(p.signatures) for p in statement.body)
     return body if says else [atom_text(PREFIX, (_NUMBER,)), *body]
 
 
 def _number_atoms(node: AST, numbered: frozenset[Signature], number: AST) -> bool:
-    """Put the number into the atoms of a part of a statement; return whether there are any that take it."""
+    """Put the question's number into the atoms of a part of a statement; return whether any atom takes it."""
     kind = node.ast_type
     if kind is not ASTType.SymbolicAtom:
         inside = () if kind in WITHOUT_PREDICATES else children(node, kind)

@@ -1,8 +1,9 @@
-"""Rules that say more than one thing of the same as one rule: what follows comes in one atom and is taken apart later.
+"""Rules with the same body joined to one rule, whose head holds all their heads as terms of one atom.
 
-An operator has a rule for each precondition, for each thing it destroys, for its costs, all of the same step. clingo
+An operator has a rule for each precondition, each fluent it destroys and each cost, all about the same step. clingo
 prepares every rule before it grounds it, which is most of its work where rules have few instances. So rules with the
-same body whose heads nothing builds on are joined; what follows from a question is the same to the last atom.
+same body are joined if no other rule uses their heads. The packed atom is taken apart again after solving; the answer
+is the same to the last atom.
 """
 
 import re
@@ -16,23 +17,23 @@ from skolem.reasoner.rulebook.parts import VARIABLE, Signature, atom_text
 
 PACK: Final = f"{PREFIX}_"  # no predicate of a rule file has that name
 _VARIABLE: Final = "V"
-# Terms that stand as they are: what is computed may have no value, and takes none with it.
+# Terms without arithmetic: a computed term may have no value, and would suppress the atoms packed with it.
 _GIVEN: Final = re.compile(r"(?:[\w'(),]|(?<![^(,])-(?=\d))*")
 
 
 @dataclass(frozen=True, slots=True)
 class Packable:
-    """A rule whose variables are named by their order in its body: those that can be one with it have the same body."""
+    """A rule whose variables are named by their order in its body, so that rules to be joined have equal bodies."""
 
     rule: Numbered
 
 
 def packable(rule: Numbered, ends: frozenset[Signature]) -> Packable | None:
-    """Return a rule for `packed`; None if it has to stay by itself.
+    """Return a rule in the form that `packed` joins; None if it must not be joined.
 
     Args:
-        rule: With the number of the question as the first argument of its head.
-        ends: Predicates, as they are loaded, that are shown and that no rule builds on.
+        rule: A rule whose head has the question's number as first argument.
+        ends: Predicates, as loaded, that are shown and that no rule uses.
     """
     if not rule.flat or (rule.name, len(rule.arguments)) not in ends or not all(map(_GIVEN.fullmatch, rule.arguments)):
         return None
@@ -43,12 +44,12 @@ def packable(rule: Numbered, ends: frozenset[Signature]) -> Packable | None:
             VARIABLE.sub(lambda found: names.setdefault(found[0], f"{_VARIABLE}{len(names)}"), term) for term in terms
         )
 
-    body = renamed(rule.body)  # first: they are named in its order
+    body = renamed(rule.body)  # first, since the order in the body gives the names
     return Packable(replace(rule, body=body, arguments=renamed(rule.arguments)))
 
 
 def packed(rules: Iterable[Numbered | Packable]) -> list[Line]:
-    """Return rules as fewer ones, and what makes clingo show what they derive."""
+    """Return the rules with joinable ones joined, and the `#show` statements for the packed atoms."""
     alone: list[Numbered] = []
     groups: dict[tuple[str, ...], list[Numbered]] = {}
     for each in rules:
@@ -62,6 +63,6 @@ def packed(rules: Iterable[Numbered | Packable]) -> list[Line]:
 
 
 def _pack(group: Sequence[Numbered]) -> Numbered:
-    """Return one rule that derives what each of a group does, as the terms of one atom after the question's number."""
+    """Return one rule whose head holds the heads of a group as terms after the question's number."""
     said = [atom_text(rule.name.removeprefix(PREFIX), rule.arguments[1:]) for rule in group]
     return replace(group[0], name=PACK, arguments=(group[0].arguments[0], *said))

@@ -1,8 +1,8 @@
-"""Statements of rule files in parts, read from the text that clingo prints of them.
+"""Statements of rule files split into head and body, read from the text that clingo prints.
 
-Of a syntax tree one asks for every node by itself, which takes a hundred times as long as having a part printed; and
-what is printed is regular. An atom is a name with arguments in brackets; only operators of comparisons have spaces on
-both sides; what is computed stands in brackets of its own. Aggregates, conditions and texts are left to their trees.
+Asking a syntax tree for every node takes a hundred times as long as having a part printed, and the printed text is
+regular. An atom is a name with arguments in brackets; only operators of comparisons have spaces on both sides; a
+computed term stands in brackets of its own. Aggregates, conditions and texts are left to their trees.
 """
 
 import re
@@ -27,14 +27,14 @@ Signature = tuple[str, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Atom:
-    """A predicate with arguments, or several of the same name if it is a pool.
+    """A predicate with arguments; a pool is several of the same name.
 
     Attributes:
         tree: Its literal.
-        text: As clingo prints it.
-        sign: `not `, twice or once or not at all.
+        text: The text that clingo prints.
+        sign: `not ` twice, once or not at all.
         name: Its predicate.
-        pool: The arguments; of a pool, of each atom in it.
+        pool: The arguments of each atom; one entry unless it is a pool.
     """
 
     tree: AST = field(repr=False)
@@ -50,7 +50,7 @@ class Atom:
 
     @property
     def place(self) -> AST:
-        """What of it stands where faults are to point."""
+        """The part of its syntax tree whose position faults give."""
         symbol: AST = self.tree.atom.symbol
         return symbol
 
@@ -61,10 +61,10 @@ class Comparison:
 
     Attributes:
         tree: Its literal.
-        text: As clingo prints it.
-        sign: As of an atom.
-        terms: What is compared.
-        operators: What stands between the terms.
+        text: The text that clingo prints.
+        sign: As for an atom.
+        terms: The compared terms.
+        operators: The operators between the terms.
     """
 
     tree: AST = field(repr=False)
@@ -76,11 +76,11 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nested:
-    """Anything else: what has parts of its own, or is not allowed.
+    """Any other element: one that has parts of its own, or is not allowed.
 
     Attributes:
         tree: Its syntax tree.
-        text: As clingo prints it.
+        text: The text that clingo prints.
     """
 
     tree: AST = field(repr=False)
@@ -96,9 +96,9 @@ class Statement:
 
     Attributes:
         tree: Its syntax tree.
-        kind: Of the tree.
-        head: What it derives; None if it is no rule.
-        body: On what it depends, of a rule or of terms that are shown.
+        kind: Type of the tree.
+        head: Head of a rule; None for other statements.
+        body: Elements of the body of a rule, or of a `#show` of terms.
     """
 
     tree: AST = field(repr=False)
@@ -108,20 +108,20 @@ class Statement:
 
     @classmethod
     def of(cls, tree: AST) -> "Statement":
-        """Return the statement with a syntax tree."""
+        """Return the statement of a syntax tree."""
         kind = tree.ast_type
         head = part_of(tree.head) if kind is ASTType.Rule else None
         return cls(tree, kind, head, tuple(map(part_of, tree.body)) if kind in _WITH_BODY else ())
 
 
 def without_pools(statement: Statement) -> list[Statement]:
-    """Return the statements that one with pools of atoms stands for; another one is left as it is."""
+    """Return the statements into which the pools of one unfold; without pools, the statement itself."""
     pooled = any(isinstance(part, Atom) and len(part.pool) > 1 for part in (statement.head, *statement.body))
     return [Statement.of(tree) for tree in statement.tree.unpool(condition=False)] if pooled else [statement]
 
 
 def part_of(tree: AST) -> Part:
-    """Return a head or an element of a body."""
+    """Return the part of a syntax tree: a head or an element of a body."""
     text = str(tree)
     if tree.ast_type is not ASTType.Literal or _LEFT_TO_TREES.search(text):
         return Nested(tree, text)
@@ -138,7 +138,7 @@ def part_of(tree: AST) -> Part:
 
 
 def split(text: str) -> Iterator[list[str]]:
-    """Yield the terms in the text between two brackets, those of each alternative of a pool by themselves."""
+    """Yield the terms between two brackets, one list for each alternative of a pool."""
     depth, begun = 0, 0
     terms: list[str] = []
     for mark in _MARK.finditer(text):
@@ -158,7 +158,7 @@ def split(text: str) -> Iterator[list[str]]:
 
 
 def arguments_of(term: str) -> list[str] | None:
-    """Return the arguments of a function or tuple; None of any other term, of pools and of what is computed."""
+    """Return the arguments of a function or tuple; None for other terms, pools and computed terms."""
     match = _FUNCTION.fullmatch(term)
     if match is None:
         return None
@@ -169,5 +169,5 @@ def arguments_of(term: str) -> list[str] | None:
 
 
 def atom_text(name: str, arguments: Sequence[str]) -> str:
-    """Return an atom as clingo prints it."""
+    """Return the text that clingo prints for an atom."""
     return f"{name}({','.join(arguments)})" if arguments else name

@@ -1,7 +1,7 @@
-"""Many questions in one program: each has its own facts and its own derivations, none sees another's.
+"""Many questions in one program: each has its own facts and its own derivations.
 
-Every predicate that depends on the facts of a question gets one more argument in front, the number of the question. Of
-the rules only those are loaded that can fire for these facts (`shapes`).
+Every predicate that depends on the facts of a question gets one more argument in front, the number of the question.
+Only rules that can fire for these facts are loaded (`shapes`).
 """
 
 import re
@@ -25,7 +25,7 @@ from skolem.traces.errors import InternalError
 
 # One thread, a fixed seed, every message; two models are asked for to notice a second one.
 CLINGO_OPTIONS: Final = ("--parallel-mode=1", "--seed=1", "--warn=all", "--models=2")
-_UNDEFINED: Final = "--warn=no-atom-undefined"  # what is never derived was found when the rules were read, all at once
+_UNDEFINED: Final = "--warn=no-atom-undefined"  # the check of the rule files has found undefined atoms already
 MEMORY: Final = 4096  # entries of each memo
 _WORD: Final = re.compile(r"[A-Za-z_][\w']*")
 
@@ -34,14 +34,14 @@ Question = tuple[Term, ...]  # ground facts
 
 @dataclass(slots=True)
 class Solved:
-    """What follows from some questions.
+    """The answers to some questions.
 
     Attributes:
-        shown: Per question its shown atoms, as if it had been asked alone.
-        ground_atoms: Number of atoms in the ground program, those counted one by one that were derived together.
-        messages: What clingo had to say.
-        models: Number of answer sets, of two at most.
-        asked: Whether clingo was called: it is not if no rule can fire.
+        shown: The shown atoms of each question, as if it had been asked alone.
+        ground_atoms: Number of atoms in the ground program; packed atoms count one by one.
+        messages: Clingo's messages.
+        models: Number of answer sets found, at most two.
+        asked: Whether clingo was called; it is not called if no rule can fire.
     """
 
     shown: list[set[Term]]
@@ -52,10 +52,10 @@ class Solved:
 
 
 class Questions:
-    """Some rule files, made ready to be asked."""
+    """Rule files that are ready for questions."""
 
     def __init__(self, statements: Sequence[Statement]) -> None:
-        """Read statements that passed validation."""
+        """Prepare statements that passed validation."""
         shown_names = [s for s in statements if s.kind is ASTType.ShowSignature]
         shown_terms = [s for s in statements if s.kind is ASTType.ShowTerm]
         self._sources = [rule for s in statements if s.kind is ASTType.Rule for rule in without_pools(s)]
@@ -71,16 +71,16 @@ class Questions:
         self._always = [Line(numbered_show(s, self._numbered), s.tree) for s in shows]
         ends = self._numbered & self._outputs - frozenset().union(*self._uses)
         self._ends = frozenset((PREFIX + name, n + 1) for name, n in ends)
-        self._rules: dict[int, Numbered | Packable] = {}  # those that some question needed so far
+        self._rules: dict[int, Numbered | Packable] = {}  # the rules that some question has needed so far
         self._needed = lru_cache(MEMORY)(self._find_needed)
         self._slice = lru_cache(MEMORY)(self._find_slice)
 
     def solve(self, questions: Sequence[Question], queries: object) -> Solved:
-        """Return what follows from each question.
+        """Return the answer to each question.
 
         Args:
-            questions: Facts, each an input of the rules.
-            queries: Its methods answer the @functions, in symbols.
+            questions: Sets of facts, each fact an input of the rules.
+            queries: An object whose methods answer the @functions, in symbols.
 
         Raises:
             InternalError: If a query fails or clingo stops.
@@ -113,7 +113,7 @@ class Questions:
         return solved
 
     def _find_slice(self, shapes: frozenset[frozenset[Term]]) -> Loaded:
-        """Return the statements that matter to questions of these shapes; none if nothing can follow."""
+        """Return the statements that questions of these shapes need; empty if nothing can follow."""
         asked = {(fact.name, len(fact.args)) for facts in shapes for fact in facts if isinstance(fact, Compound)}
         needed = sorted(frozenset().union(*map(self._needed, shapes)))
         if not needed and not asked & self._outputs:
@@ -122,14 +122,14 @@ class Questions:
         return Loaded([*self._constants_in(lines), *lines])
 
     def _rule(self, index: int) -> Numbered | Packable:
-        """Return a rule as it is loaded; made when it is needed first, since many never are."""
+        """Return a rule as it is loaded; it is made on first use, since many are never needed."""
         if index not in self._rules:
             rule = numbered_rule(self._sources[index], self._numbered)
             self._rules[index] = packable(rule, self._ends) or rule
         return self._rules[index]
 
     def _constants_in(self, lines: Iterable[Line]) -> list[Line]:
-        """Return the definitions of the constants that statements name, and of those that these are made of."""
+        """Return the definitions of the constants in statements, and of the constants in those definitions."""
         found: dict[str, Line] = {}
         waiting = list(lines)
         while waiting:
@@ -140,7 +140,7 @@ class Questions:
         return list(found.values())
 
     def _find_needed(self, shapes: frozenset[Term]) -> frozenset[int]:
-        """Return the rules that matter to one question."""
+        """Return the rules that one question needs."""
         atoms = [fact for fact in sorted(shapes, key=str) if isinstance(fact, Compound)]
         return self._program.needed(self._program.fired(atoms), self._outputs)
 
@@ -160,14 +160,14 @@ def _numbered_fact(number: int, fact: Compound) -> clingo.Symbol:
 
 
 def _shown(names: Iterable[Statement], terms: Iterable[Statement]) -> frozenset[Signature]:
-    """Return the predicates that are shown; none if nothing says which."""
+    """Return the predicates in `#show` statements; empty if there are none."""
     signatures = {(s.tree.name, s.tree.arity) for s in names if s.tree.name}
     shown = {signature for s in terms for part in s.body for signature in predicates(part)}
     return frozenset(signatures | shown)
 
 
 def _distribute(symbols: Sequence[clingo.Symbol], shown: Sequence[set[Term]]) -> int:
-    """Give every question its shown atoms; return how many more there are than if each that was packed were one."""
+    """Give every question its shown atoms; return how many atoms unpacking adds."""
     packs: list[tuple[set[Term], set[Term]]] = []
     for text in _texts(symbols):
         if not text.startswith(PREFIX):
@@ -196,7 +196,7 @@ def _arguments(term: Term) -> tuple[Term, ...]:
 
 
 def _texts(symbols: Sequence[clingo.Symbol]) -> list[str]:
-    """Return what clingo prints for each symbol, asked for all of them at once: that is several times as fast."""
+    """Return the text of each symbol; all are printed in one call, which is several times as fast."""
     if not symbols:
         return []
     gap = clingo.String("")  # occurs in no symbol of the rules

@@ -1,10 +1,10 @@
-"""Recursion that ends: no predicate derives ever larger terms, or ever other numbers, from what it derived before.
+"""The check that recursion ends: no predicate derives ever larger terms, or ever new numbers, from its own atoms.
 
 clingo grounds `far(f(X)) :- far(X)` until memory is full. A predicate that depends on itself derives finitely many
-atoms if every argument is made of what other predicates give, or is a part of an argument there was before. Where one
-is made larger there has to be an argument that goes one way in each of these rules, and the other way in none: that
-becomes a part of what it was, or a number that counts up, or down, to a bound. Its place may differ from predicate to
-predicate. All of this is enough, not necessary: what cannot be told to end is refused.
+atoms if every argument of the head comes from other predicates or is a part of an earlier argument. Where a rule makes
+an argument larger, some argument must move in one direction in each such rule and in no rule backwards: it becomes a
+part of the earlier one, or it counts up or down to a bound. Its index may differ from predicate to predicate. The
+condition is sufficient, not necessary: rules that may end but cannot be shown to are refused.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -15,8 +15,8 @@ from typing import Final
 from skolem.reasoner.rulebook.counting import OTHER_WAY, WIDEST, Limit, Rule, is_remainder, read, step, variables
 from skolem.reasoner.rulebook.parts import VARIABLE, Atom, Signature, Statement, arguments_of
 
-_MOST: Final = 10_000  # choices of places that are tried
-_PART: Final = "part"  # the way of an argument that becomes a part of what it was
+_MOST: Final = 10_000  # choices of argument indices that are tried
+_PART: Final = "part"  # the direction of an argument that becomes a part of the earlier one
 
 Rules = Mapping[Signature, Sequence[Statement]]
 Below = Mapping[Signature, frozenset[tuple[int, int]]]
@@ -29,8 +29,8 @@ class _Turn:
     Attributes:
         rule: The rule.
         before: The atoms in its body that depend on its head.
-        known: Terms that other predicates give.
-        larger: Arguments of its head that are neither parts of what was before nor made of what is known.
+        known: Terms that come from other predicates.
+        larger: Arguments of its head that are neither parts of earlier arguments nor made of known terms.
     """
 
     rule: Rule
@@ -42,7 +42,7 @@ class _Turn:
 def endless(
     statements: Iterable[Statement], constants: Mapping[str, int | None] | None = None
 ) -> Iterator[tuple[Statement, str]]:
-    """Yield every rule of which grounding may never end, with what is wrong and a remedy.
+    """Yield every rule whose grounding may never end, with a message that gives a remedy.
 
     Args:
         statements: Rules, each with an atom as its head.
@@ -79,7 +79,7 @@ def _circles(rules: Rules) -> list[frozenset[Signature]]:
 
 
 def reached(start: Signature, uses: Mapping[Signature, set[Signature]]) -> set[Signature]:
-    """Return what a predicate depends on, by others or directly; itself only if it does."""
+    """Return the predicates that one depends on, directly or through others; itself only if it is recursive."""
     found: set[Signature] = set()
     waiting = [start]
     while waiting:
@@ -90,7 +90,7 @@ def reached(start: Signature, uses: Mapping[Signature, set[Signature]]) -> set[S
 
 
 def _of(signatures: Iterable[Signature], rules: Rules, constants: Mapping[str, int | None]) -> list[Rule]:
-    """Return the rules of some predicates, those with pools as several."""
+    """Return the rules of some predicates, with pools unfolded."""
     found = dict.fromkeys(rule for signature in sorted(signatures) for rule in rules.get(signature, ()))
     every = ((statement, Statement.of(tree)) for statement in found for tree in statement.tree.unpool(condition=False))
     return [rule for each in every if (rule := read(*each, constants)).head[0] in signatures]
@@ -109,16 +109,16 @@ def _turn(rule: Rule, circle: frozenset[Signature]) -> _Turn:
 
 
 def _grows(term: str, known: frozenset[str], had: frozenset[str], limits: frozenset[Limit]) -> bool:
-    """Return whether a term may be another one each time: made of what was before, and held by nothing."""
+    """Return whether a term may be new in each round: it depends on earlier arguments and nothing bounds it."""
     if term in known or term.startswith("@"):
-        return False  # what a query answers comes from the belief, which is finite
+        return False  # a query's answers come from the belief, which is finite
     inside = arguments_of(term)
     if inside is not None:
         return any(_grows(each, known, had, limits) for each in inside)
     names = variables(term) - known
     if not names or is_remainder(term):
         return False
-    if VARIABLE.fullmatch(term):  # X, where X + 1 was before
+    if VARIABLE.fullmatch(term):  # X, from an earlier X + 1
         ways = [way for name, way in map(step, had) if name == term]
         return not any((term, OTHER_WAY[way]) in limits for way in ways)
     counted, way = step(term)
@@ -128,7 +128,7 @@ def _grows(term: str, known: frozenset[str], had: frozenset[str], limits: frozen
 
 
 def _parts(term: str) -> frozenset[str]:
-    """Return a term and every term that it has as an argument, at any depth."""
+    """Return a term and its arguments at any depth."""
     return frozenset({term}).union(*map(_parts, arguments_of(term) or ()))
 
 
@@ -136,7 +136,7 @@ def _parts(term: str) -> frozenset[str]:
 
 
 def _ends(turns: Sequence[_Turn], circle: frozenset[Signature], rules: Rules) -> bool:
-    """Return whether an argument of each predicate goes one way wherever one grows, and the other way nowhere."""
+    """Return whether one argument of each predicate moves in one direction where any grows, and nowhere backwards."""
     below = {s: _smaller(_of([s], rules, {})) for s in sorted({s for turn in turns for s, _ in turn.rule.body})}
     names = sorted(circle)
     choices = ((way, places) for way in (_PART, *OTHER_WAY) for places in product(*(range(n) for _, n in names)))
@@ -150,7 +150,7 @@ def _ends(turns: Sequence[_Turn], circle: frozenset[Signature], rules: Rules) ->
 
 
 def _smaller(rules: Sequence[Rule]) -> frozenset[tuple[int, int]]:
-    """Return which argument of a predicate is, in all its rules, a part of which other: `(larger, smaller)`."""
+    """Return the index pairs `(larger, smaller)` where, in all rules, one argument is a part of the other."""
     found: list[frozenset[tuple[int, int]]] = []
     for rule in rules:
         inside = [_parts(term) - {term} for term in rule.head[1]]
@@ -161,7 +161,7 @@ def _smaller(rules: Sequence[Rule]) -> frozenset[tuple[int, int]]:
 
 
 def _goes(way: str, turn: _Turn, place: Mapping[Signature, int], below: Below) -> bool:
-    """Return whether the argument at some place goes one way, or at least stays if nothing grows."""
+    """Return whether the chosen argument moves in the direction `way`, or stays the same if no argument grows."""
     signature, terms = turn.rule.head
     now = terms[place[signature]]
     for signature, terms in turn.before:
@@ -179,7 +179,7 @@ def _becomes_part(now: str, was: str, turn: _Turn, below: Below) -> bool:
 
 
 def _counts(way: str, now: str, was: str, turn: _Turn) -> bool:
-    """Return whether a number goes on one way, to a bound if something grows with it."""
+    """Return whether a number counts in the direction `way`, up to a bound if another argument grows."""
     if step(now) == (was, way):
         name = was
     elif step(was) == (now, OTHER_WAY[way]):

@@ -1,10 +1,10 @@
-"""Which rules can take part in answering a question: an evaluation of the rules over shapes instead of terms.
+"""The rules that a question can need, found by evaluating all rules over shapes instead of terms.
 
-The shape of a term keeps its functors and forgets which constant or number stands where: that of
-`goal(b(on(o2,desk),105361))` is `goal(b(on(leaf,leaf),leaf))`; where nothing is known, it is `any`. A rule fires over
-shapes whenever it can fire over terms: what a rule asks beyond the shape of its positive literals (negation,
-comparisons, conditions, answers of queries) counts as true. So a rule that does not fire over the shape of a question
-cannot fire in answering it, and is left out without changing the answer.
+The shape of a term keeps its functors and forgets its constants and numbers: that of `goal(b(on(o2,desk),105361))` is
+`goal(b(on(leaf,leaf),leaf))`; an unknown term has the shape `any`. A rule fires over shapes whenever it can fire over
+terms: all conditions of a rule besides the shape of its positive literals (negation, comparisons, conditions, answers
+of queries) count as true. So a rule that does not fire over the shape of a question cannot fire in answering it, and
+is left out without changing the answer.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -22,8 +22,8 @@ from skolem.reasoner.terms import ANY, Compound, Term
 
 Atom = tuple[Term, ...]  # the arguments of an atom, as shapes
 
-_DEEPEST: Final = 6  # shapes are not told apart below
-_MOST_SHAPES: Final = 64  # of one predicate; with more they are not told apart at all
+_DEEPEST: Final = 6  # functors below this depth are cut off
+_MOST_SHAPES: Final = 64  # of one predicate; if there are more, all count as `any`
 _MEMORY: Final = 1 << 14  # terms whose shape is remembered
 _LEAF: Final = "leaf"  # the shape of constants and numbers
 _VARIABLE: Final = "$"  # variables of a rule are compounds of this name
@@ -39,11 +39,11 @@ class Literal:
 
 @dataclass(frozen=True, slots=True)
 class Shaped:
-    """A rule as far as shapes go.
+    """A rule over shapes.
 
     Attributes:
-        heads: What it derives; several if its head is a pool.
-        body: Its positive literals; each of a pool's variants stands alone.
+        heads: Its head; several if that is a pool.
+        body: Its positive literals, with pools unfolded.
         equal: Pairs of patterns that must be equal.
         uses: Every predicate in its body, also under negation and in conditions.
     """
@@ -72,7 +72,7 @@ def _cut(term: Term, depth: int) -> Term:
 
 
 def shaped(rule: Statement) -> Shaped:
-    """Return a rule (one atom as its head) as far as shapes go."""
+    """Return a rule with one atom as its head as a rule over shapes."""
     body: list[tuple[Literal, ...]] = []
     equal: list[tuple[Term, Term]] = []
     uses: set[Signature] = set()
@@ -112,7 +112,7 @@ def _literals(atom: parts.Atom) -> tuple[Literal, ...]:
 
 
 def _pattern(term: str) -> Term:
-    """Return a term of a rule as a pattern; `any` for whatever shapes cannot tell."""
+    """Return a term of a rule as a pattern; parts that have no definite shape become `any`."""
     if parts.VARIABLE.fullmatch(term):
         return Compound(_VARIABLE, (term,))
     terms = parts.arguments_of(term)
@@ -123,7 +123,7 @@ def _pattern(term: str) -> Term:
 
 
 class Program:
-    """Rules, to be evaluated over the shapes of facts."""
+    """A program of rules over shapes."""
 
     def __init__(self, rules: Sequence[Shaped]) -> None:
         self._rules = rules
@@ -135,7 +135,7 @@ class Program:
         self._fired = self._follow(self._known, {index for index, rule in enumerate(rules) if not rule.body})
 
     def fired(self, facts: Iterable[Compound]) -> frozenset[int]:
-        """Return the rules that fire given facts: shapes of atoms."""
+        """Return the indices of the rules that fire for facts, given as shapes of atoms."""
         known = {signature: set(atoms) for signature, atoms in self._known.items()}
         changed: set[Signature] = set()
         for fact in facts:
@@ -144,7 +144,7 @@ class Program:
         return self._fired | self._follow(known, waiting)
 
     def _follow(self, known: dict[Signature, set[Atom]], waiting: set[int]) -> frozenset[int]:
-        """Add all that follows from what is known by the waiting rules and then by others; return which fire."""
+        """Add to `known` all consequences of firing the waiting rules; return the indices of the rules that fire."""
         found: set[int] = set()
         while waiting:
             changed: set[Signature] = set()
@@ -155,7 +155,7 @@ class Program:
         return frozenset(found)
 
     def _fire(self, rule: Shaped, known: dict[Signature, set[Atom]], changed: set[Signature]) -> bool:
-        """Derive all that one rule gives; return whether it fires."""
+        """Add the heads that one rule derives; return whether it fires."""
         fires = False
         for literals in product(*rule.body):
             for binding in _bindings(literals, known):
@@ -168,7 +168,7 @@ class Program:
         return fires
 
     def needed(self, fired: Iterable[int], outputs: Iterable[Signature]) -> frozenset[int]:
-        """Return those of some rules that predicates in `outputs` depend on."""
+        """Return the fired rules on which predicates in `outputs` depend."""
         by_head: dict[Signature, list[int]] = {}
         for index in fired:
             for head in self._rules[index].heads:
@@ -199,7 +199,7 @@ def _add(known: dict[Signature, set[Atom]], signature: Signature, args: Atom, ch
 
 
 def _bindings(literals: Sequence[Literal], known: Mapping[Signature, set[Atom]]) -> list[dict[str, Term]]:
-    """Return what the variables may stand for so that each literal is among the known shapes."""
+    """Return the bindings of variables under which every literal is among the known shapes."""
     found: list[dict[str, Term]] = [{}]
     for literal in literals:
         atoms = known.get(literal.signature, ())
@@ -216,7 +216,7 @@ def _bindings(literals: Sequence[Literal], known: Mapping[Signature, set[Atom]])
 
 
 def _matched(pattern: Term, term: Term, binding: dict[str, Term]) -> dict[str, Term] | None:
-    """Return the binding extended so that a pattern has the shape of `term`; None if it cannot have."""
+    """Return the binding extended so that a pattern has the shape `term`; None if that is impossible."""
     if pattern == ANY or not isinstance(pattern, Compound):
         return binding
     if pattern.name == _VARIABLE:
@@ -234,7 +234,7 @@ def _matched(pattern: Term, term: Term, binding: dict[str, Term]) -> dict[str, T
 
 
 def _met(a: Term, b: Term) -> Term | None:
-    """Return the shape that has all that two shapes say; None if they contradict each other."""
+    """Return the shape of the terms that have both shapes; None if no term has."""
     if a == ANY:
         return b
     if b == ANY or a == b:
@@ -248,7 +248,7 @@ def _met(a: Term, b: Term) -> Term | None:
 
 
 def _equated(pairs: Sequence[tuple[Term, Term]], binding: dict[str, Term]) -> dict[str, Term] | None:
-    """Return the binding refined by equations, in their order; None if one cannot hold."""
+    """Return the binding refined by equations in order; None if one cannot hold."""
     found: dict[str, Term] | None = binding
     for left, right in pairs:
         for pattern, other in ((left, right), (right, left)):

@@ -1,8 +1,8 @@
-"""What rule files may contain, checked on their syntax trees: every mistake with its place.
+"""The checks of rule files on their syntax trees; every fault has a position.
 
 Rules have exactly one answer set, by construction: facts and rules with one atom as head, no recursion through negation
-or an aggregate, none that might go on without end. What comes in and goes out is named; whatever else is used must be
-defined, and the other way round.
+or an aggregate, no recursion that may never end. Input and output predicates are named here; every other predicate that
+is used must be defined, and the other way round.
 """
 
 import inspect
@@ -23,7 +23,7 @@ from skolem.reasoner.rulebook.recursion import endless, reached
 from skolem.reasoner.rulebook.vocabulary import WORD_FACTS
 from skolem.traces.errors import Fault
 
-_Place = Callable[[str], Fault]  # gives a message its place
+_Place = Callable[[str], Fault]  # makes a fault at a position from a message
 _At = Callable[[AST], _Place]
 
 INPUT: Final[frozenset[Signature]] = frozenset(
@@ -44,7 +44,7 @@ _NAMES: Final = {
     ASTType.ProjectAtom: "#project",
     ASTType.ProjectSignature: "#project",
 }
-_PARTS: Final[dict[ASTType, tuple[str, ...]]] = {  # of frequent nodes; for others clingo is asked, which takes longer
+_PARTS: Final[dict[ASTType, tuple[str, ...]]] = {  # of frequent nodes; asking clingo for the others takes longer
     ASTType.Rule: ("head", "body"),
     ASTType.Literal: ("atom",),
     ASTType.SymbolicAtom: ("symbol",),
@@ -52,7 +52,7 @@ _PARTS: Final[dict[ASTType, tuple[str, ...]]] = {  # of frequent nodes; for othe
     ASTType.SymbolicTerm: (),
     ASTType.Variable: (),
 }
-WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and the terms that stand where predicates may stand too
+WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and terms that may stand where predicates may
     {
         ASTType.Comparison,
         ASTType.Guard,
@@ -65,8 +65,8 @@ WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and the terms that stand 
         ASTType.Variable,
     }
 )
-# What the text of syntax shows of all that may be wrong with its terms: a @function, a text, a sum or product, a number
-# of ten digits, an interval. Most rules have none, and text is far quicker to read than a tree.
+# Signs in the text of terms that may be wrong: a @function, a text, a sum or product, a number of ten digits, an
+# interval. Most rules have none, and text is far quicker to search than a tree.
 _WORTH_A_LOOK: Final = re.compile(r'[-+*@"]|\d{10}|\.\.')
 _PERHAPS_NUMBERS: Final = frozenset({ASTType.SymbolicTerm, ASTType.Function, ASTType.BinaryOperation})
 _ARITHMETIC: Final[dict[int, Callable[[int, int], int]]] = {
@@ -82,12 +82,12 @@ _GREATEST_POWER: Final = 64
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What is wrong with statements, and what follows from that.
+    """The faults of statements, and their consequences.
 
     Attributes:
-        faults: With their places.
-        refused: Statements that nothing more can be said of.
-        uncertain: Predicates of which some rules are missing, or may be once a fault is mended.
+        faults: All faults, with their positions.
+        refused: Statements that are not examined further.
+        uncertain: Predicates that lack some rules, or may lack them once a fault is mended.
     """
 
     faults: list[Fault]
@@ -96,12 +96,12 @@ class Checked:
 
 
 def check(files: Sequence[tuple[RuleFile, Sequence[Statement]]], queries_type: type, whole: bool = True) -> Checked:
-    """Return every fault of statements; those of all files are judged together.
+    """Return every fault of statements; the statements of all files are judged together.
 
     Args:
         files: Each file with its statements.
         queries_type: The class whose public methods are the @functions.
-        whole: Whether every file could be parsed; if not, nothing is said of names that are not defined or not used.
+        whole: Whether every file could be parsed; if not, undefined and unused names are no faults.
     """
     definitions = (s.tree for _, statements in files for s in statements if s.kind is ASTType.Definition)
     constants = {s.name: value for s in definitions if (value := constant_value(s.value, {})) is not None}
@@ -130,7 +130,7 @@ def _signatures(symbol: AST) -> list[Signature]:
 
 
 def constant_value(node: AST, constants: Mapping[str, int | None]) -> int | None:
-    """Return the number that a term stands for in every belief, as it should be; None if there is none."""
+    """Return the value of a constant numeric term without 32-bit overflow; None if it has none."""
     match node.ast_type:
         case ASTType.SymbolicTerm:
             number = node.symbol.type is SymbolType.Number
@@ -147,7 +147,7 @@ def constant_value(node: AST, constants: Mapping[str, int | None]) -> int | None
 
 
 def _computed(operation: int, left: int, right: int) -> int | None:
-    """Return what clingo computes of two numbers; None where it refuses to, or it is too large to matter."""
+    """Return the result of an operation on two numbers; None if it is undefined or a power is too large to compute."""
     power = operation == ast.BinaryOperator.Power
     if (right == 0 and not power) or (power and not 0 <= right <= _GREATEST_POWER):
         return None
@@ -165,9 +165,9 @@ class _Use:
 
 @dataclass(slots=True)
 class _Seen:
-    """Everything of interest in the statements read so far.
+    """The record of the statements read so far.
 
-    `constants` are the numbers that `#const` names, `large` tells whether one of them does not fit.
+    `constants` are the numbers that `#const` names; `large` says whether one of them does not fit 32 bits.
     """
 
     constants: dict[str, int]
@@ -182,7 +182,7 @@ class _Seen:
     words: list[tuple[Signature, _Place, list[_Use]]] = field(default_factory=list)  # derived, not stated
     faults: list[Fault] = field(default_factory=list)
     refused: list[Statement] = field(default_factory=list)
-    missing: set[Signature] = field(default_factory=set)  # what refused statements say something about
+    missing: set[Signature] = field(default_factory=set)  # predicates in the heads of refused statements
 
     def read(self, file: RuleFile, statement: Statement) -> None:
         def at(node: AST) -> _Place:
@@ -196,7 +196,7 @@ class _Seen:
             self.missing.update(use.signature for use in _uses_inside(about, at, strict=False))
 
     def refuse_endless(self, files: Sequence[tuple[RuleFile, Sequence[Statement]]]) -> None:
-        """Refuse rules, of those that are not yet, of which grounding might never end: it must not be begun."""
+        """Refuse rules whose grounding may never end, so that it is not begun."""
         rules = {
             statement: file
             for file, statements in files
@@ -258,7 +258,7 @@ class _Seen:
 
 
 def _derived(head: AST) -> list[Signature] | str:
-    """Return the predicates of a head that is one atom; of others why they are not allowed."""
+    """Return the predicates of a head that is one atom; for other heads a text that says why they are not allowed."""
     kind = head.ast_type
     if kind is ASTType.Disjunction:
         return "a rule has one atom as its head: no disjunction, no condition"
@@ -281,7 +281,7 @@ def descend(node: AST) -> Iterator[tuple[AST, ASTType]]:
 
 
 def children(node: AST, kind: ASTType) -> Iterator[AST]:
-    """Yield the nodes that a node of this type is made of."""
+    """Yield the child nodes of a node of this type."""
     for key in _PARTS[kind] if kind in _PARTS else node.child_keys:
         child = getattr(node, key)
         yield from [child] if isinstance(child, AST) else child or ()
@@ -327,7 +327,7 @@ def query_arities(queries_type: type) -> dict[str, int]:
 
 
 def _check_names(seen: _Seen, whole: bool) -> Checked:
-    """Return what is derived for nothing or asked for in vain; if some file is not whole, nobody can know."""
+    """Return the faults of derived inputs and, if every file is `whole`, of undefined and unused predicates."""
     defined = {signature for signature, _ in seen.heads} | seen.declared | seen.missing | INPUT
     wanted = {use.signature for use in seen.uses} | seen.missing | OUTPUT
     faults: list[Fault] = []
@@ -350,7 +350,7 @@ def _check_names(seen: _Seen, whole: bool) -> Checked:
 
 
 def _near(signature: Signature, known: Iterable[Signature]) -> list[Signature]:
-    """Return the known predicates that may be meant: of the same name, else of names that look like it."""
+    """Return the known predicates that may be meant: those of the same name, else those of similar names."""
     known = set(known) - {signature}
     same_name = sorted(other for other in known if other[0] == signature[0])
     close = get_close_matches(signature[0], sorted({name for name, _ in known}), 2)
@@ -377,7 +377,7 @@ def _check_stratified(seen: _Seen) -> Iterator[Fault]:
 
 
 def _check_words(seen: _Seen) -> Iterator[Fault]:
-    """Yield where a word gets its meaning from a goal: words are read before there is one."""
+    """Yield a fault for each word whose meaning depends on a goal, since words are read before there is a goal."""
     for signature, fault, uses in seen.words:
         if any(not INPUT.isdisjoint({use.signature} | reached(use.signature, seen.depends)) for use in uses):
             yield fault(f"{_text(signature)} depends on a goal; a word has its meaning whatever is asked: state a fact")

@@ -1,4 +1,4 @@
-"""The words of goals and what they mean, read from the facts of `vocabulary.lp` and of a user's own rule files."""
+"""The words of goals and their meanings, read from the facts of `vocabulary.lp` and of a user's own rule files."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -12,7 +12,7 @@ from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.traces.errors import Fault
 from skolem.traces.messages import HsvVolume, Meaning, ObjectType, Quantity, TypeIs, WeightInterval
 
-# Every predicate that gives a word, with its number of arguments; the word is the first.
+# Every predicate that defines a word, with its number of arguments; the word is the first.
 WORD_FACTS: Final = {
     "type": 1,
     "graspable": 1,
@@ -32,14 +32,14 @@ _WORD: Final = re.compile(r"[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*")
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a fact stands.
+    """The position of a fact in a rule file.
 
     Attributes:
         line: Line, from 1.
         column: Column, from 1.
-        report: Makes a fault in its file of line, column and message.
-        own: Whether it is a user's own file, whose facts replace those that ship.
-        arguments: Line and column of each argument; empty if they do not stand there.
+        report: Makes a fault in its file from line, column and message.
+        own: Whether the file is a user's own, whose facts replace those that ship.
+        arguments: Line and column of each argument; empty if they are not written at that position.
     """
 
     line: int
@@ -49,7 +49,7 @@ class Place:
     arguments: tuple[tuple[int, int], ...] = ()
 
     def fault(self, message: str, argument: int | None = None) -> Fault:
-        """Return a fault at this place, or at one of its arguments, counted from 0."""
+        """Return a fault at this position, or at one of the arguments, counted from 0."""
         if argument is None or not self.arguments:
             return self.report(self.line, self.column, message)
         return self.report(*self.arguments[argument], message)
@@ -61,13 +61,13 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Vocabulary:
-    """What words mean.
+    """The words and their meanings.
 
     Attributes:
-        types: Every object type by its word, sorted.
-        meanings: Every property by its word, sorted; types are properties too.
-        near_m: Every relation of two objects that are close, with the greatest distance, sorted.
-        exceeds: Every relation of an object and a number that its quantity exceeds, with that quantity, sorted.
+        types: The object types by word, sorted.
+        meanings: The properties by word, sorted; types are properties too.
+        near_m: The relations of two close objects by word, with the greatest distance in metres, sorted.
+        exceeds: The relations of an object and a number that a quantity exceeds, by word, with the quantity, sorted.
     """
 
     types: Mapping[str, ObjectType]
@@ -90,7 +90,7 @@ class Vocabulary:
 
 
 def comparison(relation: str, thousandths: int) -> str:
-    """Return what the property that a comparison with a number is is called: `heavier_than_400`, which is no word."""
+    """Return the name of the property that a comparison gives: `heavier_than_400`, which is no word."""
     number = f"{abs(thousandths) / 1000:.3f}".rstrip("0").rstrip(".").replace(".", "_")
     return f"{relation}_{'minus_' if thousandths < 0 else ''}{number}"
 
@@ -101,8 +101,8 @@ def read_vocabulary(
     """Return the vocabulary, every fault and every warning.
 
     Args:
-        facts: The atoms of the predicates in `WORD_FACTS`, with the places where they are stated.
-        whole: Whether these are all; if not, nothing is said of what is missing.
+        facts: The atoms of the predicates in `WORD_FACTS`, with their positions.
+        whole: Whether these are all; if not, missing facts are no faults.
     """
     faults: list[Fault] = []
     chosen = _replaced(sorted(facts, key=lambda fact: str(fact[0])), faults)
@@ -128,7 +128,7 @@ _Chosen = dict[str, dict[str, tuple[Compound, Place]]]
 
 
 def _replaced(facts: Sequence[tuple[Compound, Place]], faults: list[Fault]) -> _Chosen:
-    """Return the fact that counts, by predicate and word."""
+    """Return the fact in force by predicate and word."""
     chosen: _Chosen = {name: {} for name in WORD_FACTS}
     for fact, place in sorted(facts, key=lambda item: item[1].own):
         word = fact.args[0]
@@ -166,7 +166,7 @@ def _types(chosen: _Chosen, faults: list[Fault], whole: bool) -> dict[str, Objec
 
 
 def _size_of(word: str) -> str:
-    """Return an example of how a size is stated."""
+    """Return an example of a size in the notation of rule files."""
     return f"for example cylinder({word}, 66, 66, 115). (width, depth and height in mm)"
 
 
@@ -204,7 +204,7 @@ def _colour(fact: Compound, place: Place, faults: list[Fault]) -> HsvVolume | No
 
 
 def _empty(low: Term, high: Term, turns: bool) -> bool:
-    """Return whether there is nothing between two numbers that rise, or go round if that `turns`."""
+    """Return whether the interval between two numbers is empty; with `turns` it may wrap around."""
     if not isinstance(low, int) or not isinstance(high, int):
         return False
     return low % 360 == high % 360 and high - low != 360 if turns else low >= high
@@ -233,7 +233,7 @@ def _distances(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault])
 
 
 def _comparisons(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault]) -> dict[str, Quantity]:
-    """Return the quantity compared by relation."""
+    """Return the compared quantity by relation."""
     found: dict[str, Quantity] = {}
     for word, (fact, place) in sorted(facts.items()):
         if fact.args[1] == "weight":
@@ -245,14 +245,14 @@ def _comparisons(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault
 
 @dataclass(frozen=True, slots=True)
 class _Range:
-    """What number an argument may be: of what, from, to (None: no end), in which unit, what else may stand there."""
+    """The numbers an argument may be: name, least, greatest (None: no end), unit, and other values allowed."""
 
     of: str
     low: int
     high: int | None
     unit: str
     instead: str = ""
-    turns: bool = False  # whether its end is its beginning again
+    turns: bool = False  # whether the range is a circle, its end equal to its beginning
 
     def expected(self) -> str:
         upto = "" if self.high is None else f" to {self.high}"
@@ -262,7 +262,7 @@ class _Range:
         return isinstance(value, int) and self.low <= value and (self.high is None or value <= self.high)
 
     def nearest(self, value: Term) -> str:
-        """Return what could be meant by a number out of the range."""
+        """Return a hint at the nearest allowed value for a number out of the range."""
         if not isinstance(value, int):
             return "write a whole number"
         if self.turns and self.high is not None:
@@ -277,7 +277,7 @@ _GRAMS_OR_ANY: Final = _Range("a weight", 0, None, "grams", ", or any for no end
 
 
 def _integers(fact: Compound, place: Place, faults: list[Fault], ranges: Sequence[_Range]) -> list[int] | None:
-    """Return the arguments after the word, if each is an integer in its range."""
+    """Return the arguments after the word if each is an integer in its range."""
     good: list[int] = []
     for i, (value, allowed) in enumerate(zip(fact.args[1:], ranges, strict=False), 1):
         if isinstance(value, int) and allowed.holds(value):
@@ -289,7 +289,7 @@ def _integers(fact: Compound, place: Place, faults: list[Fault], ranges: Sequenc
 
 
 def _overlaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, Meaning]) -> list[Fault]:
-    """Return a warning for every two colours that share a part of the colour space, at the user's fact if one is."""
+    """Return a warning for every two colours that overlap, at the user's own fact if there is one."""
     volumes = {word: meaning for word, meaning in meanings.items() if isinstance(meaning, HsvVolume)}
     return [
         (colours[first][1] if colours[first][1].own else colours[second][1]).fault(
@@ -301,9 +301,9 @@ def _overlaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, 
 
 
 def _gaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, Meaning]) -> list[Fault]:
-    """Return a warning for every range of hues that has no name where colours are vivid, at full saturation and value.
+    """Return a warning for every range of hues without a name, at full saturation and value.
 
-    It is placed at the fact whose colour the gap follows; a user's own file is where it can be closed.
+    A warning stands at the fact of the colour before the gap; a user can close the gap in an own file.
     """
     vivid = [
         (low, high, word)
