@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problems import Problem, support
+from skolem.reasoner.plain import Normal, PlainBelief
 from skolem.reasoner.protocols import Activity
 from skolem.traces.messages import (
     Action,
@@ -37,15 +38,6 @@ _STILL = ((0.0,) * 7,)
 
 
 @dataclass(frozen=True, slots=True)
-class Normal:
-    """A Gaussian as numbers."""
-
-    mean: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    probability: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
 class Thing:
     """What is believed of one anchor."""
 
@@ -60,7 +52,7 @@ class Thing:
     hand: Hand | None = None
 
 
-class Imagined:
+class Imagined(PlainBelief):
     """A belief about a problem and the geometry of it; `carry_out` makes the outcome true that a plan hoped for."""
 
     def __init__(self, given: Problem) -> None:
@@ -90,10 +82,6 @@ class Imagined:
     def anchors(self) -> tuple[str, ...]:
         """Every anchor believed to exist, in order of introduction."""
         return tuple(self.things)
-
-    def prob_exists(self, anchor: str) -> float:
-        """P(there is such an object); 0 for an unknown anchor."""
-        return float(anchor in self.things)
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
         """P(the object has the property), given that it exists."""

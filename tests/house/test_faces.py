@@ -20,7 +20,7 @@ PACKAGES = sorted(
 HEAVY = ("clingo", "gtsam", "mcap", "numpy", "ompl", "pybullet", "pydantic", "rerun", "rich", "ruamel", "scipy")
 PROMISED = {
     "skolem.traces": "Fault InputError InternalError SkolemError Trace TraceError TraceWriter check compare follow",
-    "skolem.reasoner": "Agent BeliefQueries Geometry Goal Limits Turn load_rules parse_goal",
+    "skolem.reasoner": "Agent BeliefQueries Geometry Goal Limits Normal PlainBelief Turn load_rules parse_goal",
     "skolem.estimation": "Belief EstimatorConfig",
     "skolem.sim": "PlanningWorld PyBulletWorld SymbolicGeometry SymbolicWorld load_scenario",
     "skolem.tools.loop": "Mind Outcome Watcher World prepare run verdict",

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from skolem.reasoner.plain import Normal, PlainBelief
 from skolem.reasoner.protocols import Activity
 from skolem.traces.messages import (
     Belief,
@@ -24,15 +25,6 @@ from skolem.traces.messages import (
 )
 
 _STILL = ((0.0,) * 7,)
-
-
-@dataclass(frozen=True)
-class Normal:
-    """A Gaussian as numbers."""
-
-    mean: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    probability: float
 
 
 @dataclass
@@ -59,8 +51,8 @@ class Thing:
     exists: float = 1.0
 
 
-class TableBelief:
-    """Satisfies `BeliefQueries`; `changed()` after every edit."""
+class TableBelief(PlainBelief):
+    """A belief as a table; `changed()` after every edit."""
 
     def __init__(self, things: dict[str, Thing], regions: dict[str, Region] | None = None) -> None:
         self.things = things

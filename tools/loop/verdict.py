@@ -5,12 +5,10 @@ So the very denotation that the robot reasons with is evaluated, with probabilit
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skolem.reasoner import Goal
+from skolem.reasoner import Goal, Normal, PlainBelief
 from skolem.reasoner.planning.goals import achieved_by
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.space.footprints import footprint, overhang
@@ -27,11 +25,9 @@ from skolem.traces.messages import (
 )
 from skolem.traces.messages.poses import compose4, flat, inverse4, raised
 
-_DIMENSIONS: Mapping[Quantity, int] = {"pose": 3, "colour": 3, "weight": 1}
 
-
-class Truth:
-    """Answers the questions asked of a belief from what is so. Satisfies `reasoner.protocols.BeliefQueries`.
+class Truth(PlainBelief):
+    """Answers the questions asked of a belief from what is so; sensors and regions are never asked about.
 
     The robot may be told of what does not exist: that has no property and stands nowhere.
     """
@@ -51,10 +47,6 @@ class Truth:
     def anchors(self) -> tuple[str, ...]:
         """Every object there is."""
         return tuple(self._objects)
-
-    def prob_exists(self, anchor: str) -> float:
-        """1 if there is such an object."""
-        return float(anchor in self._objects)
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
         """1 if the object has the property."""
@@ -80,26 +72,6 @@ class Truth:
         (x, y, *_), (u, v, *_) = self._objects[anchor].world_T_object, self._objects[other].world_T_object
         return float(math.hypot(x - u, y - v) <= distance_m)
 
-    def prob_property_of_new(self, meaning: Meaning) -> float:
-        """0: the truth knows every object."""
-        return 0.0
-
-    def regions(self) -> tuple[str, ...]:
-        """None: the truth need not be searched."""
-        return ()
-
-    def region_support(self, region: str) -> str:
-        """Not asked, as there are no regions."""
-        raise KeyError(region)
-
-    def prob_contents(self, region: str) -> float:
-        """1: everything is seen."""
-        return 1.0
-
-    def prob_exists_in(self, region: str, match: float) -> float:
-        """0: nothing is left to be met."""
-        return 0.0
-
     def graspable(self, anchor: str) -> bool:
         """Whether the object's type can be grasped."""
         return anchor in self._objects and self._types[self._objects[anchor].type].graspable
@@ -108,39 +80,14 @@ class Truth:
         """The object in that hand."""
         return next((name for name, item in self._objects.items() if item.in_hand == hand), None)
 
-    def gaussian(self, quantity: Quantity, anchor: str) -> "Exact":
+    def gaussian(self, quantity: Quantity, anchor: str) -> Normal:
         """The true value, without variance."""
         item = self._objects[anchor]
         if quantity == "pose":
             mean: tuple[float, ...] = flat(compose4(inverse4(self._world_T_base), item.world_T_object))
         else:
             mean = item.hsv if quantity == "colour" else (math.log(item.kg),)
-        return Exact(np.array(mean), np.zeros((len(mean), len(mean))), 1.0)
-
-    def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
-        """Zero: the truth is not observed."""
-        return np.zeros((_DIMENSIONS[quantity], _DIMENSIONS[quantity]))
-
-    def prob_detected(self, anchor: str) -> float:
-        """1: the truth overlooks nothing."""
-        return 1.0
-
-    def prob_favourable(self, anchor: str, meaning: Meaning, p: float) -> float:
-        """1 if the object has the property."""
-        return self.prob_property(anchor, meaning)
-
-    def prob_type_right(self) -> float:
-        """1: the truth confuses no types."""
-        return 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class Exact:
-    """A value without variance. Satisfies `reasoner.protocols.Gaussian`."""
-
-    mean: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    probability: float
+        return Normal(np.array(mean), np.zeros((len(mean), len(mean))))
 
 
 def verdict(goal: Goal, rulebook: Rulebook, state: TrueState, types: Mapping[str, ObjectType]) -> Verdict:

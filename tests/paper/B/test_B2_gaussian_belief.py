@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from kit.minds import Normal
 from kit.papers import Handler, at_five_percent, can, posed
 from numpy.typing import NDArray
 
 from skolem.estimation.fluents import covariance_within
+from skolem.reasoner import Normal
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.terms import compound, nll, parse_term
 

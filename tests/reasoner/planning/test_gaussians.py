@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from kit.minds import Normal
 
+from skolem.reasoner import Normal
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.terms import Compound, compound, nll, parse_term
 from skolem.traces.messages import HsvVolume, WeightInterval
