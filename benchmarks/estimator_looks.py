@@ -35,26 +35,7 @@ Array = NDArray[np.float64]
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True)
 TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.7), graspable=False)
 ROBOT = RobotState(torso=0.2, head=(0.0, 0.6), right_arm=CARRY["right"], left_arm=CARRY["left"])  # out of the view
-NOISE = NoiseModel(
-    depth_sd_scale=1.0,
-    extrinsics_sd_m=0.003,
-    extrinsics_sd_rad=0.004,
-    found=0.9,
-    false_per_look=0.1,
-    type_right=0.95,
-    colour_gain=0.83,
-    colour_sd_rgb=0.03,
-    odometry_sd_m=0.005,
-    odometry_sd_per_m=0.02,
-    odometry_sd_rad=0.01,
-    odometry_sd_per_rad=0.02,
-    wrist_sd_newton=0.4,
-    wrist_drift_newton=0.05,
-    grasp_sd_m=0.006,
-    grasp_sd_rad=0.05,
-    place_sd_m=0.003,
-    place_sd_rad=0.03,
-)
+NOISE = NoiseModel()
 FIT_SD, ROUND_SD = 0.002, 1.8  # of the place and of the heading of a can
 CAMERA = camera(ROBOT.torso, *ROBOT.head)
 GROSS_M = (0.15, 0.50)  # how far off an outlier is, each axis: well beyond what was told of a can

@@ -20,9 +20,8 @@ from skolem.sim.physics.pybullet import PyBulletWorld
 from skolem.sim.scenario.scenario import prior, true_bodies
 from skolem.sim.symbolic.view import head_towards
 from skolem.tools.loop.planners import WorldKind
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import Setup, prepare
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.live import watcher_for
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
@@ -95,7 +94,7 @@ def record(scenario: Path, seed: int, world: WorldKind, trace: Path) -> None:
     """Run a scenario and write its trace."""
     setup = prepare(scenario, seed=seed, world=world)
     with watcher_for(setup, quiet=True) as watcher:
-        run(setup, trace, watcher, Stopwatch(), Outcome())
+        run(setup, trace, watcher)
 
 
 def along(trace: Trace) -> Recording:

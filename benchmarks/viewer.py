@@ -5,11 +5,9 @@ import time
 from pathlib import Path
 
 from benchmarks.tables import ROOT, Table, Target
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.view.viewing import record
-from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import TICKS_PER_SECOND
 
@@ -47,7 +45,7 @@ def _measured(folder: Path, scenario: str, seed: int, pictures: bool) -> tuple[l
     """Return the row of a run, and the seconds that a minute of it takes."""
     path = folder / f"{scenario}-{pictures}.mcap"
     setup = prepare(ROOT / "scenarios" / f"{scenario}.yaml", (), seed, "pybullet", images=pictures)
-    run(setup, path, Silence(), Stopwatch(), Outcome())
+    run(setup, path)
     trace, recording = Trace(path), path.with_suffix(".rrd")
     seconds = min(_timed(trace, recording) for _ in range(TIMES))
     ticks = [recorded.tick for recorded in trace.messages()]

@@ -46,14 +46,12 @@ def record_run() -> Callable[..., str]:
 @pytest.fixture(scope="session")
 def green_trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the trace of a whole run in the world without physics, in which plans are dropped."""
-    from skolem.tools.loop.session import Outcome, run
+    from skolem.tools.loop.session import run
     from skolem.tools.loop.setup import prepare
-    from skolem.tools.loop.stopwatch import Stopwatch
-    from skolem.tools.words.live import Silence
 
     path = tmp_path_factory.mktemp("green") / "green.mcap"
     setup = prepare(ROOT / "scenarios" / "sim1_green.yaml", seed=3, world="symbolic")
-    run(setup, path, Silence(), Stopwatch(), Outcome())
+    run(setup, path)
     return path
 
 

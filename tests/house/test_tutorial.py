@@ -11,9 +11,7 @@ from skolem.sim.scenario.scenario import load_document
 from skolem.tools.explain import command as explain
 from skolem.tools.loop.session import Outcome, run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.rules import command as rules
-from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action
 
@@ -29,7 +27,7 @@ def quoted(language: str) -> list[str]:
 
 def ran(folder: Path, *overrides: str, seed: int = 0) -> tuple[Outcome, Trace]:
     outcome, path = Outcome(), folder / "tutorial.mcap"
-    run(prepare(SCENARIO, overrides, seed, "symbolic"), path, Silence(), Stopwatch(), outcome)
+    run(prepare(SCENARIO, overrides, seed, "symbolic"), path, outcome=outcome)
     return outcome, Trace(path)
 
 

@@ -8,10 +8,8 @@ from pathlib import Path
 from kit.places import SCENARIOS
 
 from skolem.tools.loop.planners import WorldKind
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
-from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import JSON_TOPICS, Message
@@ -23,7 +21,7 @@ _FOLDER = tempfile.TemporaryDirectory()  # gone when the tests are over
 def recorded(name: str, seed: int = 0, world: WorldKind = "symbolic", overrides: tuple[str, ...] = ()) -> Path:
     """Return the trace of a run of a scenario file, made at the first call."""
     path = Path(_FOLDER.name) / f"{name}-{seed}-{world}-{abs(hash(overrides))}.mcap"
-    run(prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world), path, Silence(), Stopwatch(), Outcome())
+    run(prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world), path)
     return path
 
 

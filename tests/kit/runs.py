@@ -17,10 +17,8 @@ from kit.tabletop import EXACT, TYPES, near_table
 
 from skolem.sim.truth.bodies import TrueBody
 from skolem.tools.loop.planners import WorldKind
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
-from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     HANDS,
@@ -116,7 +114,7 @@ def ran(name: str, seed: int = 0, world: WorldKind = "symbolic", overrides: tupl
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.mcap"
         setup = prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world)
-        run(setup, path, Silence(), Stopwatch(), Outcome())
+        run(setup, path)
         trace = Trace(path)
         (end,), (verdict,) = trace.of(RunEnd), trace.of(Verdict)
         return Run(

@@ -9,11 +9,9 @@ from kit.needs import missing
 from kit.places import SCENARIOS
 from rerun.chunk import RrdReader
 
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.view.viewing import pr2_model
-from skolem.tools.words.live import Silence
 from skolem.traces.file.reader import Trace
 from skolem.traces.scene.eye import Eye
 from skolem.traces.scene.recording import Scene
@@ -26,7 +24,7 @@ PICTURES = SCENARIOS.parent / "out" / "ci"  # what continuous integration keeps
 def filmed(path: Path, name: str, steps: int) -> Trace:
     """Record the first steps of a run with physics, pictures of the camera included."""
     setup = prepare(SCENARIOS / f"{name}.yaml", [f"limits.steps={steps}"], 0, "pybullet", images=True)
-    run(setup, path, Silence(), Stopwatch(), Outcome())
+    run(setup, path)
     return Trace(path)
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.replaying import Options, replay
 from skolem.tools.recorded.rules import Rulebooks
 from skolem.tools.recorded.run import RecordedRun, RecordedStep
@@ -15,7 +14,7 @@ def parting(trace: Path, step: int, rulebooks: Rulebooks) -> int | None:
 
     Last digits of floats do not count, as between two machines.
     """
-    replayed = replay(_Beginning(trace, step), Options(tolerance_for("other machine")), Stopwatch(), rulebooks)
+    replayed = replay(_Beginning(trace, step), Options(tolerance_for("other machine")), rulebooks=rulebooks)
     return next((divergence.step for divergence in replayed.comparison.divergences), None)
 
 

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.divergences import divergence_lines
-from skolem.tools.words.live import Silence
 from skolem.tools.words.trace_account import account
 from skolem.traces import Trace, check, compare
 from skolem.traces.compare.diff import tolerance_for
@@ -65,7 +63,7 @@ def bless(folder: Path, name: str, recipe: Golden, reason: str) -> Blessed:
     with TemporaryDirectory(dir=folder) as work:
         full, lean = Path(work) / "full.mcap", Path(work) / "lean.mcap"
         setup = prepare(Path(recipe.scenario), recipe.overrides, recipe.seed, recipe.world)
-        run(setup, full, Silence(), Stopwatch(), Outcome())
+        run(setup, full)
         keep_decisions(full, lean)
         made = _described(recipe, lean, reason)
         path, old, size = golden_path(folder, name), goldens.get(name), lean.stat().st_size

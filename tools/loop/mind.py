@@ -15,6 +15,10 @@ from skolem.traces.messages import Action, ActionResult, Limits, Memory, Message
 Emit = Callable[[str, Message], None]  # (topic, message)
 
 
+def _unheard(topic: str, message: Message) -> None:
+    """Take no notice of a message."""
+
+
 class Mind:
     """Believes and decides; a function of what it is given, without any input beside."""
 
@@ -22,27 +26,28 @@ class Mind:
         self,
         goal: Goal,
         rulebook: Rulebook,
-        told: Prior,
+        prior: Prior,
         limits: Limits,
         geometry: Geometry,
-        emit: Emit,
-        watch: Stopwatch,
+        emit: Emit = _unheard,
+        watch: Stopwatch | None = None,
     ) -> None:
         """Begin with what the robot is told.
 
         Args:
             goal: What the world should be like.
             rulebook: The rules and the words.
-            told: The initial belief.
+            prior: The initial belief.
             limits: Counts after which the robot gives up.
             geometry: Answers geometric questions about the belief it is given before each decision.
             emit: Takes every message of the mind, of the topics /belief, /memory, /geometry, /denotation, /plan,
-                /decision and /action.
-            watch: Measures estimation and reasoning.
+                /decision and /action; by default none.
+            watch: Measures estimation and reasoning; by default one of its own.
         """
-        self._emit, self._watch = emit, watch
+        self._emit = emit
+        self._watch = watch = watch or Stopwatch()
         with watch.part(ESTIMATION):
-            self._belief = Belief(told)
+            self._belief = Belief(prior)
         self._geometry = RecordedGeometry(geometry, emit, watch)
         with watch.part(REASONING):
             self._agent = Agent(goal, rulebook, self._belief, self._geometry, limits)

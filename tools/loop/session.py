@@ -72,6 +72,19 @@ class Watcher(Protocol):
         ...
 
 
+class Unwatched:
+    """Takes no notice of a run. Satisfies `Watcher`."""
+
+    def believed(self, belief: messages.Belief, tick: int) -> None:
+        """Take no notice of the belief."""
+
+    def decided(self, turn: Turn) -> None:
+        """Take no notice of the decision."""
+
+    def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
+        """Take no notice of the action."""
+
+
 @dataclass(slots=True)
 class Outcome:
     """How a run went.
@@ -102,16 +115,28 @@ class Outcome:
 def run(
     setup: Setup,
     path: Path,
-    watcher: Watcher,
-    watch: Stopwatch,
-    outcome: Outcome,
+    watcher: Watcher | None = None,
+    watch: Stopwatch | None = None,
+    outcome: Outcome | None = None,
     partial: IO[bytes] | None = None,
-) -> None:
-    """Run the robot until it stops by itself, and write the trace to `path`; `outcome` is filled in as it goes.
+) -> Outcome:
+    """Run the robot until it stops by itself, write the trace to `path`, and return how it went.
 
-    Whatever is raised meanwhile, the trace is closed with the reason before it goes on. `partial` is its partial file,
-    if somebody has begun it already.
+    Whatever is raised meanwhile, the trace is closed with the reason before it goes on.
+
+    Args:
+        setup: What the run is made of.
+        path: Where the trace will lie.
+        watcher: Sees the run while it goes on.
+        watch: Measures it; by default one of its own.
+        outcome: Filled in as the run goes, for who wants it of a run that raises; by default a new one.
+        partial: The partial file of the trace, if somebody has begun it already.
+
+    Raises:
+        InputError: If the trace cannot be begun.
+        UnwrittenError: If it cannot be written to its end.
     """
+    watch, outcome = watch or Stopwatch(), outcome or Outcome()
     attachments = {SCENARIO: setup.document.effective_text().encode()}
     attachments |= {f"{RULES}{name}": content for name, content in setup.rulebook.files.items()}
     metadata = {"scenario": setup.scenario.name, "seed": str(setup.seed), "world": setup.world}
@@ -120,11 +145,12 @@ def run(
     try:
         with writer:
             try:
-                _Run(setup, writer, watcher, watch, outcome).to_the_end()
+                _Run(setup, writer, watcher or Unwatched(), watch, outcome).to_the_end()
             finally:
                 outcome.seconds, outcome.total_s = watch.seconds(), watch.total()
     finally:
         outcome.content_hash = writer.content_hash if writer.written else ""
+    return outcome
 
 
 class _Run:

@@ -67,19 +67,22 @@ class Replayed:
         return self.comparison.identical
 
 
-def replay(run: RecordedRun, options: Options, watch: Stopwatch, rulebooks: Rulebooks | None = None) -> Replayed:
+def replay(
+    run: RecordedRun, options: Options, watch: Stopwatch | None = None, rulebooks: Rulebooks | None = None
+) -> Replayed:
     """Think a run again, and return how what comes out compares with what is recorded.
 
     Args:
         run: The record.
         options: What to replay of it, and how to compare.
-        watch: Measures it.
+        watch: Measures it; by default one of its own.
         rulebooks: Of other runs that were replayed before; runs with the same rules share them.
 
     Raises:
         InputError: If rules or goal are wrong, there is no such decision, or its memory is not recorded.
     """
     replayed = Replayed(Comparison(options.tolerance, options.keep_all or options.re_anchor))
+    watch = watch or Stopwatch()
     begun = watch.total()
     with closing(_geometry(run, options)) as geometry:
         mind = Rethinking(run, given_in(run, rulebooks), geometry, watch)

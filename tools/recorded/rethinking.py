@@ -67,14 +67,16 @@ def end_text(end: RunEnd | None) -> str:
 class Rethinking:
     """A mind, and the record that it lives through."""
 
-    def __init__(self, run: RecordedRun, given: Given, geometry: RecalledGeometry, watch: Stopwatch) -> None:
+    def __init__(
+        self, run: RecordedRun, given: Given, geometry: RecalledGeometry, watch: Stopwatch | None = None
+    ) -> None:
         """Begin where the run began.
 
         Args:
             run: The record.
             given: What the mind is made of.
             geometry: Answers its questions.
-            watch: Measures its parts.
+            watch: Measures its parts, if it is given.
         """
         self._run, self._geometry = run, geometry
         self._held: frozenset[bytes] = frozenset()  # of the decision at hand

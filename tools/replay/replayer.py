@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded import fingerprint
 from skolem.tools.recorded.divergences import comparison_fields, divergence_lines
 from skolem.tools.recorded.replaying import Options, Replayed, replay
@@ -57,7 +56,7 @@ class Replayer:
         other = fingerprint.differences(run.environment)
         tolerance = tolerance_for("other machine" if other else "equal machine").with_floats(wanted.atol, wanted.rtol)
         options = Options(tolerance, wanted.from_step, wanted.re_anchor, wanted.plan_motions, wanted.keep_all)
-        replayed = replay(run, options, Stopwatch(), self._rulebooks)
+        replayed = replay(run, options, rulebooks=self._rulebooks)
         comparison = replayed.comparison
         lines = [_headline(replayed)]
         if other and (comparison.tolerated or not comparison.identical):

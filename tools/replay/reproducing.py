@@ -4,9 +4,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from skolem.sim.scenario.scenario import read_document
-from skolem.tools.loop.session import Outcome, Watcher, run
+from skolem.tools.loop.session import Watcher, run
 from skolem.tools.loop.setup import Setup, understood
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.replaying import other_end
 from skolem.tools.recorded.rules import rulebook_of
 from skolem.tools.recorded.run import CUT_SHORT, check_made_of
@@ -45,7 +44,7 @@ def reproduce(
     """
     end = next(trace.of(RunEnd), None)
     try:
-        run(setup, out, watcher, Stopwatch(), Outcome())
+        run(setup, out, watcher)
     except Exception:
         if end is None or end.status != "error":
             raise

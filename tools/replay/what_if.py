@@ -13,7 +13,6 @@ from typing import Final, Literal
 
 from skolem.reasoner.terms import MICRO
 from skolem.tools.loop.planners import planner_of
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.geometry import RecalledGeometry
 from skolem.tools.recorded.replaying import same_act
 from skolem.tools.recorded.rethinking import Given, Rethinking, Thought, end_text
@@ -65,7 +64,7 @@ class Foreseen:
     planned: int = 0
 
 
-def foresee(run: RecordedRun, given: Given, watch: Stopwatch) -> Foreseen:
+def foresee(run: RecordedRun, given: Given) -> Foreseen:
     """Return which decisions of a run change for a mind made of other things.
 
     Recorded geometric answers are used as long as the robot is told the same, for then it believes the same; other
@@ -75,7 +74,7 @@ def foresee(run: RecordedRun, given: Given, watch: Stopwatch) -> Foreseen:
     start, told = run.start, given.told
     recalled = RecalledGeometry(lambda: planner_of(start.world, told.types, start.seed), recall=told == run.told)
     with closing(recalled) as geometry:
-        mind = Rethinking(run, given, geometry, watch)
+        mind = Rethinking(run, given, geometry)
         for recorded in run.steps():
             foreseen.recorded += 1
             if not foreseen.stopped:

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.rules import Overlay, Rulebooks, files_in
 from skolem.tools.recorded.run import RecordedRun
 from skolem.tools.replay.other_minds import changes_of, given_with
@@ -37,7 +36,7 @@ class WhatIf:
         Raises:
             InputError: If the changed rules, goal or scenario are not sound.
         """
-        foreseen = foresee(run, given_with(run, self._changes, self._rulebooks), Stopwatch())
+        foreseen = foresee(run, given_with(run, self._changes, self._rulebooks))
         rows = [asdict(altered) for altered in foreseen.altered]
         overlay = Overlay.of(run.attachments, self._changes.rules) if self._changes.rules else None
         fields = {

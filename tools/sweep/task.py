@@ -14,12 +14,11 @@ from tempfile import TemporaryDirectory
 from skolem.reasoner import load_rules
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import load_document
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import Setup, compose, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import LOADING, Stopwatch
 from skolem.tools.sweep.rows import Row, read_row
-from skolem.tools.words.live import Silence
 from skolem.traces import Trace
 from skolem.traces.errors import InputError, SkolemError, TraceError
 from skolem.traces.messages import RunStart
@@ -133,7 +132,7 @@ def perform(task: Task, folder: Path) -> Finished:
     with watch.part(LOADING):
         setup = _setup(task, folder)
     try:
-        run(setup, path, Silence(), watch, Outcome())
+        run(setup, path, watch=watch)
     except Exception:
         if not path.exists():
             raise

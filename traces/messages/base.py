@@ -5,7 +5,7 @@ Units are SI and radians. A pose `a_T_b` maps coordinates of frame b to frame a.
 """
 
 import json
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -43,3 +43,10 @@ class Message(BaseModel):
 def canonical(values: object) -> bytes:
     """Return the one byte string for plain values."""
     return json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=False).encode()
+
+
+def all_required(schema: dict[str, Any]) -> None:
+    """Require every field in a model's JSON schema, and name no default: a recorded message has all of its fields."""
+    for field in schema["properties"].values():
+        field.pop("default", None)
+    schema["required"] = list(schema["properties"])

@@ -1,8 +1,8 @@
 """Models of noise, and what the robot is told before it starts."""
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
-from skolem.traces.messages.base import Anchor, Message, Pose2, Pose4, Probability
+from skolem.traces.messages.base import Anchor, Message, Pose2, Pose4, Probability, all_required
 from skolem.traces.messages.sensing import RobotState
 from skolem.traces.messages.words import ObjectType
 
@@ -10,24 +10,31 @@ from skolem.traces.messages.words import ObjectType
 class NoiseModel(Message):
     """How sensors and motion err; the simulator draws from one of these, the estimator assumes one."""
 
-    depth_sd_scale: float = Field(description="times the Kinect's axial noise; 0 = exact depth")
-    extrinsics_sd_m: float = Field(description="rigid error of the camera frame, drawn once per look, each axis")
-    extrinsics_sd_rad: float = Field(description="the same in rotation, each axis")
-    found: Probability = Field(description="probability that a visible object is detected")
-    false_per_look: float = Field(description="expected number of detections without an object")
-    type_right: Probability = Field(description="probability that the reported type is the true one")
-    colour_gain: float = Field(description="mean observed value over true value: shading")
-    colour_sd_rgb: float = Field(description="sd of the mean colour of a detection, each channel")
-    odometry_sd_m: float
-    odometry_sd_per_m: float
-    odometry_sd_rad: float
-    odometry_sd_per_rad: float
-    wrist_sd_newton: float = Field(description="sd of one averaged reading")
-    wrist_drift_newton: float = Field(description="sd of the slow bias, drawn once per run")
-    grasp_sd_m: float = Field(description="how far an object moves in the hand when the fingers close, each axis")
-    grasp_sd_rad: float
-    place_sd_m: float = Field(description="how far an object moves when it is released, each axis")
-    place_sd_rad: float
+    model_config = ConfigDict(json_schema_extra=all_required)
+
+    # the defaults are the values of scenarios/sim1_green.yaml: a Kinect, a PR2's wheels and wrist
+    depth_sd_scale: float = Field(default=1.0, description="times the Kinect's axial noise; 0 = exact depth")
+    extrinsics_sd_m: float = Field(
+        default=0.003, description="rigid error of the camera frame, drawn once per look, each axis"
+    )
+    extrinsics_sd_rad: float = Field(default=0.004, description="the same in rotation, each axis")
+    found: Probability = Field(default=0.9, description="probability that a visible object is detected")
+    false_per_look: float = Field(default=0.1, description="expected number of detections without an object")
+    type_right: Probability = Field(default=0.95, description="probability that the reported type is the true one")
+    colour_gain: float = Field(default=0.83, description="mean observed value over true value: shading")
+    colour_sd_rgb: float = Field(default=0.03, description="sd of the mean colour of a detection, each channel")
+    odometry_sd_m: float = 0.005
+    odometry_sd_per_m: float = 0.02
+    odometry_sd_rad: float = 0.01
+    odometry_sd_per_rad: float = 0.02
+    wrist_sd_newton: float = Field(default=0.4, description="sd of one averaged reading")
+    wrist_drift_newton: float = Field(default=0.05, description="sd of the slow bias, drawn once per run")
+    grasp_sd_m: float = Field(
+        default=0.006, description="how far an object moves in the hand when the fingers close, each axis"
+    )
+    grasp_sd_rad: float = 0.05
+    place_sd_m: float = Field(default=0.003, description="how far an object moves when it is released, each axis")
+    place_sd_rad: float = 0.03
 
 
 class HsvBelief(Message):

@@ -10,10 +10,10 @@ from skolem.traces.messages.base import SCHEMA_VERSION, TICKS_PER_SECOND, Anchor
 class Limits(Message):
     """Counts after which a run gives up; never seconds."""
 
-    steps: Annotated[int, Field(gt=0, description="executed actions")]
-    expansions: Annotated[int, Field(gt=0, description="per call of the regression")]
-    hierarchy_depth: Annotated[int, Field(ge=12, description="layers of the plan stack")]
-    min_plan_probability: Probability
+    steps: Annotated[int, Field(gt=0, description="executed actions")] = 60
+    expansions: Annotated[int, Field(gt=0, description="per call of the regression")] = 2000
+    hierarchy_depth: Annotated[int, Field(ge=12, description="layers of the plan stack")] = 16
+    min_plan_probability: Probability = 1e-4
     repeats: Annotated[int, Field(gt=0, description="of one action without success, before it is given up")] = 10
     same_looks: Annotated[int, Field(gt=0, description="in vain from one place, before the next is from elsewhere")] = 3
     plan_changes: Annotated[int, Field(gt=0, description="of the plan stack in one decision")] = 100

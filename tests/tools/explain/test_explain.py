@@ -18,10 +18,8 @@ from typer.testing import CliRunner
 from skolem.tools.explain import command as explain
 from skolem.tools.explain.explaining import Explanation, explained
 from skolem.tools.explain.text import action_tree, choice_tree, drop_tree, end_tree, lines
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
-from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import Decision, Denotation, Message, Plan
@@ -31,7 +29,7 @@ from skolem.traces.messages import Decision, Denotation, Message, Plan
 def traced(name: str, *overrides: str) -> Path:
     """Run a scenario in the symbolic world, once."""
     path = Path(tempfile.mkdtemp()) / f"{name}.mcap"
-    run(prepare(ROOT / "scenarios" / f"{name}.yaml", overrides, 1, "symbolic"), path, Silence(), Stopwatch(), Outcome())
+    run(prepare(ROOT / "scenarios" / f"{name}.yaml", overrides, 1, "symbolic"), path)
     return path
 
 
@@ -210,7 +208,7 @@ def out_of_reach(folder: Path, rules: str) -> Explanation:
     (folder / "slab.lp").write_text(rules, encoding="utf-8")
     (folder / "far.yaml").write_text(head + OUT_OF_REACH, encoding="utf-8")
     setup = prepare(folder / "far.yaml", ["limits.repeats=3"], 1, "symbolic")
-    run(setup, folder / "far.mcap", Silence(), Stopwatch(), Outcome())
+    run(setup, folder / "far.mcap")
     return explained(folder / "far.mcap", None)
 
 
@@ -253,7 +251,7 @@ def ruled(folder: Path, rule: str) -> Path:
     shipped = (ROOT / "scenarios" / "sim1_green.yaml").read_text(encoding="utf-8")
     (folder / "own.yaml").write_text(f"{shipped}\nrules: [own.lp]\n", encoding="utf-8")
     with suppress(InternalError):
-        run(prepare(folder / "own.yaml", (), 0, "symbolic"), folder / "own.mcap", Silence(), Stopwatch(), Outcome())
+        run(prepare(folder / "own.yaml", (), 0, "symbolic"), folder / "own.mcap")
     return folder / "own.mcap"
 
 

@@ -8,12 +8,10 @@ from pathlib import Path
 import pytest
 from kit.places import DATA
 
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.replaying import Options, replay
 from skolem.tools.recorded.run import RecordedRun
-from skolem.tools.words.live import Silence
 from skolem.traces.compare.diff import Tolerance
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, RunEnd, RunStart
@@ -26,7 +24,7 @@ _FOLDER = tempfile.TemporaryDirectory(prefix="kitchen-")
 @cache
 def recorded(seed: int) -> Path:
     path = Path(_FOLDER.name) / f"{seed}.mcap"
-    run(prepare(KITCHEN, (), seed, "symbolic"), path, Silence(), Stopwatch(), Outcome())
+    run(prepare(KITCHEN, (), seed, "symbolic"), path)
     return path
 
 
@@ -45,5 +43,5 @@ def test_nothing_is_done_until_it_is_given_up_for_what_is_refuted_or_known_alrea
 
 def test_the_run_is_thought_again_although_its_scenario_lists_shares_in_another_order_than_the_trace() -> None:
     """The shares .3, .4, .2 and .1 add up to 1 in one order, and to a little less in another."""
-    replayed = replay(RecordedRun(recorded(0)), Options(Tolerance()), Stopwatch())
+    replayed = replay(RecordedRun(recorded(0)), Options(Tolerance()))
     assert replayed.identical, replayed.comparison.divergences

@@ -10,7 +10,6 @@ from skolem.tools.loop.session import Outcome, run
 from skolem.tools.loop.setup import prepare
 from skolem.tools.loop.stopwatch import PARTS, Stopwatch
 from skolem.tools.run.running import summary
-from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import Action, Geometry, Plan, RunEnd, RunStart, TrueState
@@ -21,7 +20,7 @@ GREEN, MOVED = ROOT / "scenarios" / "sim1_green.yaml", ROOT / "scenarios" / "sim
 def ran(path: Path, folder: Path, *overrides: str, seed: int = 0, profile: bool = False) -> tuple[Outcome, Trace]:
     outcome, trace = Outcome(), folder / "run.mcap"
     setup = prepare(path, overrides, seed, "symbolic", profile=profile)
-    run(setup, trace, Silence(), Stopwatch(), outcome)
+    run(setup, trace, outcome=outcome)
     return outcome, Trace(trace)
 
 
@@ -123,7 +122,7 @@ def test_a_run_that_is_cut_short_leaves_a_closed_trace_with_the_reason(
     outcome, path = Outcome(), tmp_path / "run.mcap"
     setup = prepare(GREEN, (), 0, "symbolic")
     with pytest.raises(type(error)):
-        run(setup, path, Silence(), Stopwatch(), outcome)
+        run(setup, path, outcome=outcome)
     [end] = Trace(path).of(RunEnd)
     assert (end.status, end.steps, outcome.actions) == (status, 2, 2)
     assert outcome.content_hash == Trace(path).content_hash
@@ -133,12 +132,12 @@ def test_a_run_that_is_cut_short_leaves_a_closed_trace_with_the_reason(
 def test_a_trace_that_cannot_be_written_is_bad_input(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write the trace here"):
-        run(prepare(GREEN, (), 0, "symbolic"), tmp_path / "file" / "x.mcap", Silence(), Stopwatch(), Outcome())
+        run(prepare(GREEN, (), 0, "symbolic"), tmp_path / "file" / "x.mcap")
 
 
 def test_the_summary_accounts_for_the_wall_time(tmp_path: Path) -> None:
     setup, outcome, watch = prepare(GREEN, (), 0, "symbolic"), Outcome(), Stopwatch()
-    run(setup, tmp_path / "run.mcap", Silence(), watch, outcome)
+    run(setup, tmp_path / "run.mcap", watch=watch, outcome=outcome)
     wall = summary(setup, outcome, "goal_achieved", "", tmp_path)["wall_s"]
     assert isinstance(wall, dict)
     assert set(wall) == {*PARTS, "total"}

@@ -16,13 +16,11 @@ from skolem.reasoner.agent import Agent
 from skolem.reasoner.planning.instances import Instance
 from skolem.tools import cli
 from skolem.tools.loop.mind import Mind
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.fingerprint import differences
 from skolem.tools.recorded.replaying import Options, Replayed, replay
 from skolem.tools.recorded.run import RecordedRun
-from skolem.tools.words.live import Silence
 from skolem.traces.compare.diff import Tolerance, tolerance_for
 from skolem.traces.errors import InputError, InternalError, TraceError
 from skolem.traces.file.codec import counter_of
@@ -47,7 +45,7 @@ OTHER_MACHINES = (
 
 
 def again(path: Path, options: Options | None = None) -> Replayed:
-    return replay(RecordedRun(path), options or Options(EXACT), Stopwatch())
+    return replay(RecordedRun(path), options or Options(EXACT))
 
 
 def decisions_of(path: Path) -> Counter[str]:
@@ -72,7 +70,7 @@ def test_a_trace_of_an_older_version_is_thought_again_with_the_rules_that_it_bri
     assert b"called(S, N)" in older.attachments["rules/regress.lp"]
     other = differences(older.environment)
     options = Options(tolerance_for("other machine" if other else "equal machine"))
-    replayed = replay(older, options, Stopwatch())
+    replayed = replay(older, options)
     assert (replayed.identical, replayed.ended, replayed.decisions) == (True, True, 8)
 
 
@@ -94,7 +92,7 @@ def test_a_run_with_physics_is_thought_again_without_the_simulator() -> None:
         "from skolem.tools.recorded.replaying import Options, replay\n"
         "from skolem.tools.loop.stopwatch import Stopwatch\n"
         "from skolem.traces.compare.diff import Tolerance\n"
-        f"found = replay(RecordedRun(Path({str(path)!r})), Options(Tolerance()), Stopwatch())\n"
+        f"found = replay(RecordedRun(Path({str(path)!r})), Options(Tolerance()))\n"
         "assert found.identical and found.ended\n"
         "assert not {'pybullet', 'ompl', 'rerun'} & set(sys.modules)"
     )
@@ -149,7 +147,7 @@ def test_a_hidden_input_of_a_decision_is_found(tmp_path: Path, monkeypatch: pyte
         return calls[0] == 40 or is_refused(self, instance, level)
 
     monkeypatch.setattr(Agent, "_is_refused", moody)
-    run(prepare(SCENARIOS / "sim1_green.yaml", (), 0, "symbolic"), path, Silence(), Stopwatch(), Outcome())
+    run(prepare(SCENARIOS / "sim1_green.yaml", (), 0, "symbolic"), path)
     replayed = again(path)
     assert not replayed.identical
     assert replayed.comparison.divergences[0].topic in ("/decision", "/plan", "/geometry")
@@ -242,7 +240,7 @@ def test_a_run_that_failed_is_replayed_up_to_its_failure(tmp_path: Path, monkeyp
     monkeypatch.setattr(SymbolicWorld, "execute", fail_at_two)
     setup = prepare(SCENARIOS / "sim1_green.yaml", (), 0, "symbolic")
     with pytest.raises(KeyboardInterrupt):
-        run(setup, path, Silence(), Stopwatch(), Outcome())
+        run(setup, path)
     replayed = again(path)
     assert replayed.comparison.divergences == []
     assert replayed.decisions == 3
@@ -265,7 +263,7 @@ def failed(path: Path, patch: pytest.MonkeyPatch, kind: type[object], method: st
     """Return the trace of a run in which a method fails at the fourth call, as it will until the patch is undone."""
     failing(patch, kind, method, InternalError("boom"))
     with pytest.raises(InternalError):
-        run(prepare(SCENARIOS / "sim1_green.yaml", (), 0, "symbolic"), path, Silence(), Stopwatch(), Outcome())
+        run(prepare(SCENARIOS / "sim1_green.yaml", (), 0, "symbolic"), path)
     return path
 
 

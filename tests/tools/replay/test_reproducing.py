@@ -8,10 +8,8 @@ from kit.recordings import recorded, rewritten, unchanged
 
 from skolem.tools import cli
 from skolem.tools.loop.mind import Mind
-from skolem.tools.loop.session import Outcome, run
-from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.loop.session import Unwatched, run
 from skolem.tools.replay.reproducing import end_of_again, reproduce, setup_in
-from skolem.tools.words.live import Silence
 from skolem.traces.compare.diff import Comparison, Tolerance
 from skolem.traces.errors import InternalError, TraceError
 from skolem.traces.file.reader import Trace
@@ -21,7 +19,7 @@ from skolem.traces.messages import TrueState
 
 def again(path: Path, out: Path) -> Comparison:
     trace = Trace(path)
-    return reproduce(trace, setup_in(trace), out, Silence(), Tolerance())
+    return reproduce(trace, setup_in(trace), out, Unwatched(), Tolerance())
 
 
 @pytest.mark.parametrize(("scenario", "seed"), [("sim1_green", 3), ("sim3_unknown", 0), ("sim1_moved", 0)])
@@ -78,7 +76,7 @@ def test_an_error_that_does_not_come_again_is_said(
     setup = setup_in(Trace(recorded("sim1_green")))
     monkeypatch.setattr(Mind, "update", fails)
     with pytest.raises(InternalError):
-        run(setup, path, Silence(), Stopwatch(), Outcome())
+        run(setup, path)
     assert again(path, out).identical
     assert end_of_again(Trace(path), Trace(out)) == ""
     monkeypatch.undo()

@@ -11,7 +11,6 @@ from kit.places import RULES
 from kit.recordings import recorded, rewritten, unchanged
 
 from skolem.tools.cli import main
-from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.rules import Rulebooks
 from skolem.tools.recorded.run import RecordedRun
 from skolem.tools.replay.other_minds import Changes, changes_of, given_with
@@ -23,7 +22,7 @@ from skolem.traces.messages import Action, Command, Hand, Joints7, Message, Move
 
 def what_if(scenario: str, *flags: str, rules: dict[str, bytes] | None = None) -> Foreseen:
     run = RecordedRun(recorded(scenario))
-    return foresee(run, given_with(run, changes_of(rules or {}, flags), Rulebooks()), Stopwatch())
+    return foresee(run, given_with(run, changes_of(rules or {}, flags), Rulebooks()))
 
 
 def placing(hand: Hand, joints: Joints7) -> Place:
@@ -155,7 +154,7 @@ def test_a_run_that_was_interrupted_while_it_thought_changes_nothing_there(tmp_p
         return [found] if going[0] else []
 
     run = RecordedRun(rewritten(recorded("sim1_green"), tmp_path / "t.mcap", up_to_an_act))
-    found = foresee(run, given_with(run, changes_of({}, ["limits.steps=80"]), Rulebooks()), Stopwatch())
+    found = foresee(run, given_with(run, changes_of({}, ["limits.steps=80"]), Rulebooks()))
     assert (found.altered, found.decisions) == ([], 3)
     assert found.stopped == "step 3: the record ends before the decision"
 

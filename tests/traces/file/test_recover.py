@@ -25,18 +25,16 @@ GREEN = ROOT / "scenarios" / "sim1_green.yaml"
 STOPPING = f"""
 import sys, time
 from pathlib import Path
-from skolem.tools.words.live import Silence
-from skolem.tools.loop.session import Outcome, run
-from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
+from skolem.tools.loop import prepare, run
+from skolem.tools.loop.session import Unwatched
 
-class Stopping(Silence):
+class Stopping(Unwatched):
     def acted(self, action, result, observation):
         if action.step == 3:
             print("in step 3", flush=True)
             time.sleep(60)
 
-run(prepare(Path({str(GREEN)!r}), world="symbolic"), Path(sys.argv[1]), Stopping(), Stopwatch(), Outcome())
+run(prepare(Path({str(GREEN)!r}), world="symbolic"), Path(sys.argv[1]), Stopping())
 """
 
 

@@ -19,10 +19,8 @@ from mcap.records import Chunk
 from mcap.writer import Writer
 
 from skolem.sim.symbolic.world import SymbolicWorld
-from skolem.tools.loop.session import Outcome, run
+from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
-from skolem.tools.loop.stopwatch import Stopwatch
-from skolem.tools.words.live import Silence
 from skolem.traces.errors import InputError, InternalError, UnwrittenError
 from skolem.traces.file import writer as writer_module
 from skolem.traces.file.container import Copy, pieces
@@ -201,7 +199,7 @@ def test_a_whole_run_says_neither_where_nor_on_which_machine_it_was(
 
         monkeypatch.setattr(SymbolicWorld, "execute", fail)
     with pytest.raises(FileNotFoundError) if crashed else nullcontext():
-        run(setup, path, Silence(), Stopwatch(), Outcome())
+        run(setup, path)
     assert end_of(path).status == ("error" if crashed else "goal_achieved")
     private = [str(tmp_path), str(Path.cwd()), str(Path.home()), sys.prefix]
     for said in texts_of(path):
