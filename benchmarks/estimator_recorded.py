@@ -19,7 +19,6 @@ from skolem.estimation.se2 import Matrix, between, log as tangent
 from skolem.sim.physics.pybullet import PyBulletWorld
 from skolem.sim.scenario.scenario import prior, true_bodies
 from skolem.sim.symbolic.view import head_towards
-from skolem.tools.loop.planners import WorldKind
 from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.words.live import watcher_for
@@ -90,7 +89,7 @@ class Errors:
     headings: Array
 
 
-def record(scenario: Path, seed: int, world: WorldKind, trace: Path) -> None:
+def record(scenario: Path, seed: int, world: str, trace: Path) -> None:
     """Run a scenario and write its trace."""
     setup = prepare(scenario, seed=seed, world=world)
     with watcher_for(setup, quiet=True) as watcher:

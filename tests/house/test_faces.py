@@ -23,7 +23,7 @@ PROMISED = {
     "skolem.reasoner": "Agent BeliefQueries Geometry Goal Limits Normal PlainBelief Turn load_rules parse_goal",
     "skolem.estimation": "Belief EstimatorConfig",
     "skolem.sim": "PlanningWorld PyBulletWorld SymbolicGeometry SymbolicWorld load_scenario",
-    "skolem.tools.loop": "Mind Outcome Watcher World prepare run verdict",
+    "skolem.tools.loop": "Mind Outcome Watcher World WorldKind WorldStart prepare run verdict worlds",
 }
 # names that are a function of the face and a module or a room at once
 SHADOWED = [("skolem.traces", "compare", "skolem.traces.compare.diff"), ("skolem.tools.loop", "verdict", "")]

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from kit.places import SCENARIOS
 
-from skolem.tools.loop.planners import WorldKind
 from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
 from skolem.traces.file.reader import Recorded, Trace
@@ -18,7 +17,7 @@ _FOLDER = tempfile.TemporaryDirectory()  # gone when the tests are over
 
 
 @cache
-def recorded(name: str, seed: int = 0, world: WorldKind = "symbolic", overrides: tuple[str, ...] = ()) -> Path:
+def recorded(name: str, seed: int = 0, world: str = "symbolic", overrides: tuple[str, ...] = ()) -> Path:
     """Return the trace of a run of a scenario file, made at the first call."""
     path = Path(_FOLDER.name) / f"{name}-{seed}-{world}-{abs(hash(overrides))}.mcap"
     run(prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world), path)

@@ -16,7 +16,6 @@ from kit.places import SCENARIOS
 from kit.tabletop import EXACT, TYPES, near_table
 
 from skolem.sim.truth.bodies import TrueBody
-from skolem.tools.loop.planners import WorldKind
 from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
 from skolem.traces.file.reader import Trace
@@ -109,7 +108,7 @@ def _about(question: Geometry) -> tuple[str, str]:
 
 
 @cache
-def ran(name: str, seed: int = 0, world: WorldKind = "symbolic", overrides: tuple[str, ...] = ()) -> Run:
+def ran(name: str, seed: int = 0, world: str = "symbolic", overrides: tuple[str, ...] = ()) -> Run:
     """Return a run of a scenario file, done at the first call."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.mcap"

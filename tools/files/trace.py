@@ -4,7 +4,7 @@ import json as json_format
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -30,9 +30,7 @@ def bless(
     folder: Annotated[Path, typer.Option(help="Where golden traces and their manifest lie.")] = Path("tests/golden"),
     scenario: Annotated[Path | None, typer.Option(help="Of a new trace: the scenario file.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of a new trace.")] = 0,
-    world: Annotated[
-        Literal["pybullet", "symbolic"], typer.Option(help="Of a new trace: with physics, or without.")
-    ] = "pybullet",
+    world: Annotated[str, typer.Option(metavar="NAME", help="Of a new trace: the kind of world.")] = "pybullet",
     set_: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="A.B=VALUE", help="Of a new trace: change a value of the scenario; repeatable."),
@@ -84,7 +82,7 @@ def _new_recipe(
     names: Sequence[str],
     scenario: str,
     seed: int,
-    world: Literal["pybullet", "symbolic"],
+    world: str,
     overrides: Sequence[str],
     why: str,
 ) -> dict[str, Golden]:

@@ -14,46 +14,17 @@ from google.protobuf.message import Message as Protobuf
 from skolem.reasoner import Turn
 from skolem.sim.scenario.scenario import believed_noise, moves_before, prior, true_bodies
 from skolem.tools.loop.mind import Mind
-from skolem.tools.loop.planners import planner_of
 from skolem.tools.loop.setup import Setup, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import LOADING, PHYSICS, RECORDING, SENSING, Stopwatch
 from skolem.tools.loop.verdict import verdict
+from skolem.tools.loop.worlds import World, WorldStart
 from skolem.traces import TraceWriter, messages
 from skolem.traces.file.environment import environment
 from skolem.traces.file.made_of import RULES, SCENARIO
-from skolem.traces.messages import Action, ActionResult, Observation, Pose4, RobotState, RunEnd, TrueState
+from skolem.traces.messages import Action, ActionResult, Observation, RunEnd
 
 DROPPED = frozenset({"preimage_lost", "refused"})  # causes for which plans are given up
-
-
-class World(Protocol):
-    """What actions are executed in."""
-
-    @property
-    def tick(self) -> int:
-        """Simulated time so far, in ticks."""
-        ...
-
-    def robot_state(self) -> RobotState:
-        """Return what the encoders say."""
-        ...
-
-    def state(self, step: int) -> TrueState:
-        """Return the truth."""
-        ...
-
-    def disturb(self, object_id: str, world_T_object: Pose4) -> None:
-        """Move an object from outside."""
-        ...
-
-    def execute(self, action: Action) -> tuple[ActionResult, Observation]:
-        """Carry out an action."""
-        ...
-
-    def close(self) -> None:
-        """Free what the world holds."""
-        ...
 
 
 class Watcher(Protocol):
@@ -139,7 +110,7 @@ def run(
     watch, outcome = watch or Stopwatch(), outcome or Outcome()
     attachments = {SCENARIO: setup.document.effective_text().encode()}
     attachments |= {f"{RULES}{name}": content for name, content in setup.rulebook.files.items()}
-    metadata = {"scenario": setup.scenario.name, "seed": str(setup.seed), "world": setup.world}
+    metadata = {"scenario": setup.scenario.name, "seed": str(setup.seed), "world": setup.world.name}
     env = environment() | {"source": SOURCE_SHA256}
     writer = TraceWriter(path, attachments=attachments, run=metadata, env=env, profile=setup.profile, file=partial)
     try:
@@ -178,7 +149,7 @@ class _Run:
         self._write("/prior", told)
         self._write("/truth/state", world.state(0))
         with self._watch.part(LOADING):
-            planner = planner_of(setup.world, setup.types, setup.seed)
+            planner = setup.world.planner(setup.types, setup.seed)
         with closing(planner):
             mind = Mind(setup.goal, setup.rulebook, told, setup.scenario.limits, planner, self._emit, self._watch)
             step = 0
@@ -239,18 +210,21 @@ class _Run:
             self._writer.write(topic, message, self._tick())
 
     def _world(self) -> World:
-        """Build the true world; only here is it decided which."""
+        """Build the true world; nothing but it is given the truth."""
         setup, types = self._setup, self._setup.types
-        bodies, robot = true_bodies(setup.scenario, types), setup.scenario.robot
-        base, noise = (robot.base.x, robot.base.y, robot.base.theta), setup.scenario.true_noise.message()
-        told = believed_noise(setup.scenario)
-        if setup.world == "symbolic":
-            from skolem.sim import SymbolicWorld
-
-            return SymbolicWorld(types, bodies, base, robot.torso_m, noise, setup.seed, told)
-        from skolem.sim import PyBulletWorld
-
-        return PyBulletWorld(types, bodies, base, robot.torso_m, noise, setup.seed, self._record, setup.images, told)
+        robot = setup.scenario.robot
+        start = WorldStart(
+            types=types,
+            bodies=true_bodies(setup.scenario, types),
+            world_T_base=(robot.base.x, robot.base.y, robot.base.theta),
+            torso_m=robot.torso_m,
+            noise=setup.scenario.true_noise.message(),
+            believed_noise=believed_noise(setup.scenario),
+            seed=setup.seed,
+            images=setup.images,
+            record=self._record,
+        )
+        return setup.world.build(start)
 
     def _record(self, topic: str, message: Protobuf) -> None:
         self._write(topic, message)

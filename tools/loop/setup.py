@@ -12,7 +12,8 @@ from skolem.reasoner.lint.wrong_rules import refuse_wrong
 from skolem.reasoner.planning.relations import misused, too_sure
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import Document, Scenario, check, load_document
-from skolem.tools.loop.planners import WorldKind
+from skolem.tools.loop.worlds import PYBULLET, WorldKind, named
+from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import ObjectType, RunStart
 
 
@@ -26,7 +27,7 @@ class Setup:
         rulebook: The rules, with the scenario's own.
         goal: The scenario's goal.
         seed: Of every draw.
-        world: Which simulator.
+        world: The kind of world to run in.
         images: Whether camera images are recorded.
         profile: Whether wall times are recorded.
     """
@@ -50,22 +51,31 @@ def prepare(
     path: Path,
     overrides: Sequence[str] = (),
     seed: int | None = None,
-    world: WorldKind = "pybullet",
+    world: WorldKind | str = PYBULLET,
     images: bool = False,
     profile: bool = False,
 ) -> Setup:
     """Read a scenario and its rules.
 
+    Args:
+        path: The scenario file.
+        overrides: Changed values of the scenario, each `a.b=value`.
+        seed: Instead of the scenario's.
+        world: The kind of world to run in, or its name.
+        images: Whether camera images are recorded.
+        profile: Whether wall times are recorded.
+
     Raises:
         InputError: With every fault found.
     """
-    return compose(load_document(path, overrides), seed, world, images, profile)
+    kind = named(world) if isinstance(world, str) else world
+    return compose(load_document(path, overrides), seed, kind, images, profile)
 
 
 def compose(
     document: Document,
     seed: int | None = None,
-    world: WorldKind = "pybullet",
+    world: WorldKind | str = PYBULLET,
     images: bool = False,
     profile: bool = False,
     rulebook: Rulebook | None = None,
@@ -75,7 +85,7 @@ def compose(
     Args:
         document: The scenario file.
         seed: Instead of the scenario's.
-        world: Which simulator.
+        world: The kind of world to run in, or its name.
         images: Whether camera images are recorded.
         profile: Whether wall times are recorded.
         rulebook: The rules, if they were read already; None for those that ship and the scenario's own.
@@ -83,10 +93,13 @@ def compose(
     Raises:
         InputError: With every fault found.
     """
+    kind = named(world) if isinstance(world, str) else world
+    if images and not kind.camera:
+        raise InputError([Fault("--images", 0, 0, f"the {kind.name} world has no camera; leave out one of the two")])
     if rulebook is None:
         rulebook = rules_of(document)
     scenario, goal = understood(document, rulebook)
-    return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, world, images, profile)
+    return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, kind, images, profile)
 
 
 def rules_of(document: Document) -> Rulebook:
@@ -129,18 +142,9 @@ def run_start(setup: Setup) -> RunStart:
         scenario=setup.scenario.name,
         scenario_sha256=hashlib.sha256(setup.document.effective_text().encode()).hexdigest(),
         rules_sha256=setup.rulebook.sha256,
-        robot_sha256=_robot_sha256(setup.world),
-        world=setup.world,
+        robot_sha256=setup.world.robot_sha256(),
+        world=setup.world.name,
         seed=setup.seed,
         goal=setup.scenario.goal,
         limits=setup.scenario.limits,
     )
-
-
-def _robot_sha256(world: WorldKind) -> str:
-    """Return the hash of the robot model's files; the symbolic robot has none."""
-    if world == "symbolic":
-        return ""
-    from skolem.sim.robot.assets import robot_sha256
-
-    return robot_sha256()

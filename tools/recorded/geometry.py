@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterable
 
 from skolem.reasoner.protocols import Activity
-from skolem.tools.loop.planners import Planner
 from skolem.tools.loop.recorded_geometry import Asked, question
+from skolem.tools.loop.worlds import Planner
 from skolem.traces.errors import SkolemError
 from skolem.traces.messages import Belief, Command, Geometry, MoveBase
 

@@ -5,7 +5,7 @@ from contextlib import closing
 from dataclasses import dataclass
 
 from skolem.reasoner import parse_goal
-from skolem.tools.loop.planners import planner_of
+from skolem.tools.loop import worlds
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.geometry import RecalledGeometry
 from skolem.tools.recorded.rethinking import Given, Rethinking, Thought
@@ -79,7 +79,8 @@ def replay(
         rulebooks: Of other runs that were replayed before; runs with the same rules share them.
 
     Raises:
-        InputError: If rules or goal are wrong, there is no such decision, or its memory is not recorded.
+        InputError: If rules or goal are wrong, there is no such decision, its memory is not recorded, or motions are to
+            be planned in a world that is not installed.
     """
     replayed = Replayed(Comparison(options.tolerance, options.keep_all or options.re_anchor))
     watch = watch or Stopwatch()
@@ -135,7 +136,8 @@ def other_end(recorded: RunEnd | None, failure: str) -> str:
 def _geometry(run: RecordedRun, options: Options) -> RecalledGeometry:
     if not options.plan_motions:
         return RecalledGeometry()
-    return RecalledGeometry(lambda: planner_of(run.start.world, run.told.types, run.start.seed), recall=False)
+    world = worlds.named(run.start.world, str(run.path))
+    return RecalledGeometry(lambda: world.planner(run.told.types, run.start.seed), recall=False)
 
 
 def _rethink(mind: Rethinking, recorded: RecordedStep, options: Options, replayed: Replayed) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from skolem.sim.scenario.scenario import read_document
+from skolem.tools.loop import worlds
 from skolem.tools.loop.session import Watcher, run
 from skolem.tools.loop.setup import Setup, understood
 from skolem.tools.recorded.replaying import other_end
@@ -21,7 +22,8 @@ def setup_in(trace: Trace) -> Setup:
     """Return what a recorded run was made of.
 
     Raises:
-        InputError: If scenario, rules or goal are not sound for this version of the product.
+        InputError: If scenario, rules or goal are not sound for this version of the product, or the world of the run
+            is not installed.
         TraceError: If the trace does not hold its scenario and rules, or does not say how it was run.
     """
     start = next(trace.of(RunStart), None)
@@ -31,8 +33,9 @@ def setup_in(trace: Trace) -> Setup:
     document = read_document(SCENARIO, trace.attachments[SCENARIO].decode(errors="replace"))
     rulebook = rulebook_of(trace.attachments)
     scenario, goal = understood(document, rulebook)
+    world = worlds.named(start.world, str(trace.path))
     images = next(trace.messages("/camera/rgb"), None) is not None
-    return Setup(document, scenario, rulebook, goal, start.seed, start.world, images, profile=False)
+    return Setup(document, scenario, rulebook, goal, start.seed, world, images, profile=False)
 
 
 def reproduce(

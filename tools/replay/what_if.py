@@ -12,7 +12,7 @@ from itertools import zip_longest
 from typing import Final, Literal
 
 from skolem.reasoner.terms import MICRO
-from skolem.tools.loop.planners import planner_of
+from skolem.tools.loop import WorldKind, worlds
 from skolem.tools.recorded.geometry import RecalledGeometry
 from skolem.tools.recorded.replaying import same_act
 from skolem.tools.recorded.rethinking import Given, Rethinking, Thought, end_text
@@ -69,18 +69,30 @@ def foresee(run: RecordedRun, given: Given) -> Foreseen:
 
     Recorded geometric answers are used as long as the robot is told the same, for then it believes the same; other
     questions are answered by the planner of the run's world.
+
+    Raises:
+        InputError: If there is such a question, and that world is not installed.
     """
     foreseen = Foreseen()
-    start, told = run.start, given.told
-    recalled = RecalledGeometry(lambda: planner_of(start.world, told.types, start.seed), recall=told == run.told)
-    with closing(recalled) as geometry:
+    told, world = given.told, _installed(run)
+    planner = None if world is None else lambda: world.planner(told.types, run.start.seed)
+    with closing(RecalledGeometry(planner, recall=told == run.told)) as geometry:
         mind = Rethinking(run, given, geometry)
         for recorded in run.steps():
             foreseen.recorded += 1
             if not foreseen.stopped:
                 _decide(mind, recorded, foreseen)
+            if geometry.unanswered is not None:
+                worlds.named(
+                    run.start.world, f"{run.path}: step {recorded.step} asks for motions that are not recorded"
+                )
         foreseen.planned = geometry.planned
     return foreseen
+
+
+def _installed(run: RecordedRun) -> WorldKind | None:
+    """Return the kind of world of a run; None if it is not installed, which matters only once it is needed."""
+    return worlds.named(run.start.world) if run.start.world in worlds.names() else None
 
 
 def _decide(mind: Rethinking, recorded: RecordedStep, foreseen: Foreseen) -> None:

@@ -3,7 +3,6 @@
 import json as json_format
 import sys
 from contextlib import nullcontext
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -11,16 +10,10 @@ import typer
 
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.faults import fault_rows
-from skolem.traces.errors import Fault, InputError
+from skolem.tools.words.options import World
+from skolem.traces.errors import InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-
-
-class WorldChoice(StrEnum):
-    """Which simulator to run in."""
-
-    pybullet = "pybullet"
-    symbolic = "symbolic"
 
 
 @app.command()
@@ -40,9 +33,7 @@ def run(
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
     images: Annotated[bool, typer.Option("--images", help="Record the camera's images too.")] = False,
-    world: Annotated[
-        WorldChoice, typer.Option(help="Physics and rendering, or the same actions and noise without them.")
-    ] = WorldChoice.pybullet,
+    world: World = "pybullet",
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="A.B=VALUE", help="Change a value of the scenario; repeatable.")
     ] = None,
@@ -70,10 +61,8 @@ def run(
     try:
         overrides = [*(set_ or []), *([] if max_steps is None else [f"limits.steps={max_steps}"])]
         overrides += ["limits.optimal=true"] if optimal else []
-        if images and world is WorldChoice.symbolic:
-            raise InputError([Fault("--images", 0, 0, "the symbolic world has no camera; leave out one of the two")])
         with watch.part(LOADING):
-            setup = prepare(scenario, overrides, seed, world.value, images, profile)
+            setup = prepare(scenario, overrides, seed, world, images, profile)
         for warning in setup.rulebook.warnings:
             print(warning, file=sys.stderr)
         trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")

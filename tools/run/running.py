@@ -71,7 +71,7 @@ def summary(setup: Setup, outcome: Outcome, status: RunStatus, reason: str, trac
     return {
         "scenario": setup.scenario.name,
         "seed": setup.seed,
-        "world": setup.world,
+        "world": setup.world.name,
         "status": status,
         "believed": status == "goal_achieved",
         "true": None if judged is None else judged.true,

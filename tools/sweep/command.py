@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from skolem.tools.run.command import WorldChoice
 from skolem.tools.words.faults import fault_rows
+from skolem.tools.words.options import World
 from skolem.traces.errors import Fault, InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -25,9 +25,7 @@ def sweep(
         str | None,
         typer.Option(metavar="tcp://HOST:PORT", help="Use the workers of this dask scheduler instead."),
     ] = None,
-    world: Annotated[
-        WorldChoice, typer.Option(help="Physics and rendering, or the same actions and noise without them.")
-    ] = WorldChoice.pybullet,
+    world: World = "pybullet",
     set_: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="A.B=VALUE", help="Change a value of the scenarios; repeatable."),
@@ -51,7 +49,7 @@ def sweep(
     try:
         if workers is not None and scheduler is not None:
             raise InputError([Fault("--scheduler", 0, 0, "give --workers or --scheduler, not both")])
-        plan = sweeping.plan(scenarios, sweeping.seed_range(seeds), world.value, set_ or [])
+        plan = sweeping.plan(scenarios, sweeping.seed_range(seeds), world, set_ or [])
         raise typer.Exit(sweeping.execute(plan, out, workers or 2, scheduler, write, json, quiet))
     except InputError as error:
         if json:

@@ -7,7 +7,6 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from skolem.tools.loop.planners import WorldKind
 from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.sweep.progress import progress_for
 from skolem.tools.sweep.report import ACHIEVED, Part, line, sections, summary, with_section
@@ -48,7 +47,7 @@ def seed_range(text: str) -> range:
     return seeds
 
 
-def plan(files: Sequence[Path], seeds: range, world: WorldKind, overrides: Sequence[str]) -> Plan:
+def plan(files: Sequence[Path], seeds: range, world: str, overrides: Sequence[str]) -> Plan:
     """Return what there is to do.
 
     Raises:
@@ -149,7 +148,7 @@ def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
         Part(
             name=name,
             file=setup.document.file,
-            world=setup.world,
+            world=setup.world.name,
             overrides=plan.overrides,
             goal=setup.goal,
             expected=_expected(setup),

@@ -4,7 +4,6 @@ import json
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
 
 from mcap.records import Channel, Chunk, DataEnd, Message as McapMessage, Metadata, Schema
 
@@ -12,7 +11,7 @@ from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.codec import CONTENT, ContentHash, counter_of
 from skolem.traces.file.container import Copy, contents, pieces
 from skolem.traces.file.reader import opened
-from skolem.traces.messages import Message
+from skolem.traces.messages import Message, WorldName
 
 MANIFEST = "MANIFEST.toml"
 MAX_BYTES = 200_000  # of one golden trace
@@ -41,7 +40,7 @@ class Golden(Message):
 
     scenario: str
     seed: int
-    world: Literal["pybullet", "symbolic"]
+    world: WorldName
     overrides: tuple[str, ...]
     why: str
     reason: str = ""

@@ -22,6 +22,7 @@ from .base import (
     Pose4 as Pose4,
     Probability as Probability,
     Step as Step,
+    WorldName as WorldName,
     canonical as canonical,
 )
 from .belief import (

@@ -13,6 +13,7 @@ SCHEMA_VERSION = 1
 TICKS_PER_SECOND = 240
 GRAVITY = 9.81  # m/s^2: what is felt at a wrist, per kg
 Anchor = Annotated[str, Field(pattern=r"^(_[a-z]+\d+_|[a-z][A-Za-z0-9_]*)$", description="internal name of an object")]
+WorldName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$", description="name of the kind of world")]
 Hand = Literal["right", "left"]
 HANDS: tuple[Hand, ...] = ("right", "left")
 SENSING_HAND: Hand = "right"  # the only wrist with a force-torque sensor

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from skolem.traces.messages.base import SCHEMA_VERSION, TICKS_PER_SECOND, Anchor, Message, Probability, Step
+from skolem.traces.messages.base import SCHEMA_VERSION, TICKS_PER_SECOND, Anchor, Message, Probability, Step, WorldName
 
 
 class Limits(Message):
@@ -30,7 +30,7 @@ class RunStart(Message):
     scenario_sha256: str
     rules_sha256: dict[str, str]
     robot_sha256: str
-    world: Literal["pybullet", "symbolic"]
+    world: WorldName
     seed: int
     goal: str
     limits: Limits

@@ -1,0 +1,214 @@
+"""Worlds by name: how the true world of each kind is built, and what plans motions in it.
+
+An installed package brings a world of its own by an entry point of the group `skolem.worlds`: its name is the one that
+`--world` takes, its value is a `WorldKind`. A script that needs no name for others hands its `WorldKind` to `prepare`.
+"""
+
+import difflib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from importlib.metadata import EntryPoint, entry_points
+from typing import Final, Protocol
+
+from google.protobuf.message import Message as Protobuf
+
+from skolem.reasoner.protocols import Geometry
+from skolem.sim.truth.bodies import TrueBody
+from skolem.traces.errors import Fault, InputError, told
+from skolem.traces.messages import (
+    Action,
+    ActionResult,
+    NoiseModel,
+    ObjectType,
+    Observation,
+    Pose2,
+    Pose4,
+    RobotState,
+    TrueState,
+)
+
+GROUP: Final = "skolem.worlds"  # of entry points
+
+
+class World(Protocol):
+    """What actions are executed in."""
+
+    @property
+    def tick(self) -> int:
+        """Simulated time so far, in ticks."""
+        ...
+
+    def robot_state(self) -> RobotState:
+        """Return what the encoders say."""
+        ...
+
+    def state(self, step: int) -> TrueState:
+        """Return the truth."""
+        ...
+
+    def disturb(self, object_id: str, world_T_object: Pose4) -> None:
+        """Move an object from outside."""
+        ...
+
+    def execute(self, action: Action) -> tuple[ActionResult, Observation]:
+        """Carry out an action."""
+        ...
+
+    def close(self) -> None:
+        """Free what the world holds."""
+        ...
+
+
+class Planner(Geometry, Protocol):
+    """A geometry that holds something, such as a physics client, until it is closed."""
+
+    def close(self) -> None:
+        """Free what it holds."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class WorldStart:
+    """What a true world is built from.
+
+    Attributes:
+        types: Shape and size of every object type, by name.
+        bodies: What is really there.
+        world_T_base: Where the robot stands.
+        torso_m: How high its torso is.
+        noise: How its sensors and motions err.
+        believed_noise: What the robot believes of that.
+        seed: Of every draw.
+        images: Whether camera images are recorded.
+        record: Records a protobuf message of the world's own, such as an image, on a topic.
+    """
+
+    types: Mapping[str, ObjectType]
+    bodies: tuple[TrueBody, ...]
+    world_T_base: Pose2
+    torso_m: float
+    noise: NoiseModel
+    believed_noise: NoiseModel
+    seed: int
+    images: bool
+    record: Callable[[str, Protobuf], None]
+
+
+def _no_model() -> str:
+    """Return the hash of a robot model that consists of no files."""
+    return ""
+
+
+@dataclass(frozen=True, slots=True)
+class WorldKind:
+    """One kind of world: the simulator or robot that a run takes place in.
+
+    Attributes:
+        name: What `--world` and the trace call it: a letter, then letters, digits and any of `_.-`.
+        build: Builds the true world; nothing else is told the truth.
+        planner: Makes what answers the reasoner's geometric questions from the belief alone, given the object types
+            and the run's seed.
+        robot_sha256: Hashes the files of the robot's model; empty if there are none.
+        camera: Whether there are images to record.
+    """
+
+    name: str
+    build: Callable[[WorldStart], World]
+    planner: Callable[[Mapping[str, ObjectType], int], Planner]
+    robot_sha256: Callable[[], str] = _no_model
+    camera: bool = False
+
+
+def names() -> list[str]:
+    """Return the names of every world that is installed, sorted."""
+    return sorted({*SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
+
+
+def named(name: str, asked: str = "--world") -> WorldKind:
+    """Return the world of a name; those that ship come first.
+
+    Args:
+        name: The name.
+        asked: What names the world: the flag, or a trace.
+
+    Raises:
+        InputError: If no such world is installed, or the one that is cannot be used.
+    """
+    if name in SHIPPED:
+        return SHIPPED[name]
+    entries = sorted(entry_points(group=GROUP, name=name), key=lambda entry: entry.value)
+    if not entries:
+        known = names()
+        close = difflib.get_close_matches(name, known, 1)
+        hint = f"did you mean '{close[0]}'? " if close else ""
+        raise InputError([Fault(asked, 0, 0, f"no world '{name}' is installed; {hint}there are: {', '.join(known)}")])
+    if len({entry.value for entry in entries}) > 1:
+        offers = " and ".join(entry.value for entry in entries)
+        raise InputError([Fault(asked, 0, 0, f"two packages offer a world '{name}': {offers}; uninstall one")])
+    return _loaded(entries[0], asked)
+
+
+def _loaded(entry: EntryPoint, asked: str) -> WorldKind:
+    """Return the world of an entry point, under the entry point's name."""
+    try:
+        kind = entry.load()
+    except Exception as error:
+        said = f"the world '{entry.name}' ({entry.value}) cannot be loaded: {told(error)}"
+        raise InputError([Fault(asked, 0, 0, said)]) from error
+    if not isinstance(kind, WorldKind):
+        said = f"the world '{entry.name}' ({entry.value}) is a {type(kind).__name__}, expected a WorldKind"
+        raise InputError([Fault(asked, 0, 0, said)])
+    return replace(kind, name=entry.name)
+
+
+def _pybullet_world(start: WorldStart) -> World:
+    from skolem.sim import PyBulletWorld
+
+    return PyBulletWorld(
+        dict(start.types),
+        start.bodies,
+        start.world_T_base,
+        start.torso_m,
+        start.noise,
+        start.seed,
+        start.record,
+        start.images,
+        start.believed_noise,
+    )
+
+
+def _pybullet_planner(types: Mapping[str, ObjectType], seed: int) -> Planner:
+    from skolem.sim import PlanningWorld
+
+    return PlanningWorld(types, seed)
+
+
+def _pr2_sha256() -> str:
+    from skolem.sim.robot.assets import robot_sha256
+
+    return robot_sha256()
+
+
+def _symbolic_world(start: WorldStart) -> World:
+    from skolem.sim import SymbolicWorld
+
+    return SymbolicWorld(
+        start.types,
+        start.bodies,
+        start.world_T_base,
+        start.torso_m,
+        start.noise,
+        start.seed,
+        start.believed_noise,
+    )
+
+
+def _symbolic_planner(types: Mapping[str, ObjectType], seed: int) -> Planner:
+    from skolem.sim import SymbolicGeometry
+
+    return SymbolicGeometry(types)
+
+
+PYBULLET: Final = WorldKind("pybullet", _pybullet_world, _pybullet_planner, _pr2_sha256, camera=True)
+SYMBOLIC: Final = WorldKind("symbolic", _symbolic_world, _symbolic_planner)
+SHIPPED: Final = {kind.name: kind for kind in (PYBULLET, SYMBOLIC)}

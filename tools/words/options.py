@@ -1,0 +1,23 @@
+"""Options that several verbs have in common."""
+
+from typing import Annotated
+
+import typer
+
+
+def installed_worlds(incomplete: str) -> list[str]:
+    """Return the names of worlds that begin as what was typed so far, for the shell to complete."""
+    from skolem.tools.loop import worlds
+
+    return [name for name in worlds.names() if name.startswith(incomplete)]
+
+
+World = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        autocompletion=installed_worlds,
+        help="The kind of world: pybullet, with physics and rendering; symbolic, with the same actions and noise "
+        "without them; or one that an installed package brings.",
+    ),
+]
