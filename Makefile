@@ -18,6 +18,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
 PACKAGES := rules reasoner estimation sim traces tools
+TOP := __init__.py __main__.py py.typed
 SCENARIO := scenarios/sim1_green.yaml
 SEED := 0
 WORKERS ?= 2
@@ -28,7 +29,7 @@ TRACE := out/$(basename $(notdir $(SCENARIO)))-$(SEED).mcap
 help:
 	@sed -n '3,$${/^#/!q;s/^# \{0,1\}//p}' Makefile
 
-setup: $(VENV)/installed $(PACKAGES:%=.types/skolem/%)
+setup: $(VENV)/installed $(PACKAGES:%=.types/skolem/%) $(TOP:%=.types/skolem/%)
 
 $(VENV)/bin/python:
 	@test -n "$(PYTHON)" || { echo "skolem needs Python 3.11 or 3.12 as python3.11, python3.12 or python3" >&2; exit 1; }
@@ -43,9 +44,13 @@ $(VENV)/installed: requirements.lock pyproject.toml | $(VENV)/bin/python
 	@touch $@
 
 # The folders stand at the top and the import name is skolem.FOLDER: type checkers need to see them under one roof.
-.types/skolem/%:
+$(PACKAGES:%=.types/skolem/%): .types/skolem/%:
 	@mkdir -p .types/skolem
 	@ln -sfn ../../$* $@
+
+$(TOP:%=.types/skolem/%): .types/skolem/%:
+	@mkdir -p .types/skolem
+	@ln -sfn ../../package/$* $@
 
 demo: setup
 	$(BIN)/skolem run $(SCENARIO) --seed $(SEED) -o $(TRACE)

@@ -11,6 +11,7 @@ from kit.places import ROOT
 
 TYPE_FARM = ROOT / ".types" / "skolem"
 PACKAGE_FOLDERS = ("rules", "reasoner", "estimation", "sim", "traces", "tools")
+PACKAGE_FILES = ("__init__.py", "__main__.py", "py.typed")
 
 settings.register_profile("reproducible", derandomize=True, deadline=None)
 settings.load_profile("reproducible")
@@ -59,7 +60,8 @@ def green_trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def type_farm() -> Path:
     """Return the folder of links that lets type checkers see `skolem.*`, made if it is absent."""
     TYPE_FARM.mkdir(parents=True, exist_ok=True)
-    for folder in PACKAGE_FOLDERS:
-        if not (TYPE_FARM / folder).is_symlink():
-            (TYPE_FARM / folder).symlink_to(Path("..") / ".." / folder)
+    for target in (*PACKAGE_FOLDERS, *(f"package/{name}" for name in PACKAGE_FILES)):
+        link = TYPE_FARM / Path(target).name
+        if not link.is_symlink():
+            link.symlink_to(Path("..") / ".." / target)
     return TYPE_FARM

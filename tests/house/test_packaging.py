@@ -4,15 +4,18 @@ import fnmatch
 import os
 import re
 import subprocess
+import sys
 import tomllib
-from importlib.metadata import entry_points, requires
+from importlib.metadata import entry_points, requires, version
 from importlib.resources import files
 from pathlib import Path
 
+import pytest
 from kit.places import ROOT
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+import skolem
 from skolem.reasoner.rulebook.book import RULE_FILES
 from skolem.tools.loop.source import source_sha256
 
@@ -20,6 +23,7 @@ CONFIG = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SETUPTOOLS = CONFIG["tool"]["setuptools"]
 MAPPING: dict[str, str] = SETUPTOOLS["package-dir"]
 FOLDERS = set(MAPPING.values())
+TOP = "package"  # the folder of `skolem` itself
 LOCK = (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines()
 SHIPPED: list[str] = SETUPTOOLS["package-data"]["*"]
 MACHINE_PATH = re.compile(r"(?<![\w.*$})~-])/(tmp|work|root|home)(?![\w-])")
@@ -33,7 +37,8 @@ def packages() -> set[str]:
 
 def test_the_package_list_names_every_folder_with_an_init_file() -> None:
     """A sub-package that is not listed works when editable and is missing from the wheel."""
-    assert SETUPTOOLS["packages"] == sorted("skolem." + folder.replace("/", ".") for folder in packages())
+    named = {".".join(("skolem", *folder.split("/"))) for folder in packages() - {TOP}}
+    assert SETUPTOOLS["packages"] == sorted(named | {"skolem"})
 
 
 def test_no_python_file_hides_in_a_folder_that_is_no_package() -> None:
@@ -43,11 +48,13 @@ def test_no_python_file_hides_in_a_folder_that_is_no_package() -> None:
 
 
 def test_every_folder_at_the_top_is_mapped() -> None:
-    assert set(MAPPING) == {f"skolem.{folder}" for folder in FOLDERS}
+    assert MAPPING == {f"skolem.{folder}": folder for folder in FOLDERS - {TOP}} | {"skolem": TOP}
 
 
 def test_the_type_checkers_links_mirror_the_mapping(type_farm: Path) -> None:
-    assert {link.name: link.resolve() for link in type_farm.iterdir()} == {d: (ROOT / d).resolve() for d in FOLDERS}
+    top = {path.name: path.resolve() for path in (ROOT / TOP).iterdir() if path.is_file()}
+    parts = {folder: (ROOT / folder).resolve() for folder in FOLDERS - {TOP}}
+    assert {link.name: link.resolve() for link in type_farm.iterdir()} == top | parts
 
 
 def test_bare_folder_names_are_banned_for_every_folder() -> None:
@@ -77,6 +84,32 @@ def test_the_rule_files_shipped_are_the_ones_loaded() -> None:
 def test_the_command_is_installed() -> None:
     (command,) = entry_points(group="console_scripts", name="skolem")
     assert command.value == CONFIG["project"]["scripts"]["skolem"]
+
+
+def said(cwd: Path, *arguments: str) -> str:
+    """Return what Python prints, started in a folder."""
+    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, cwd=cwd, check=True)
+    return done.stdout.strip()
+
+
+@pytest.mark.parametrize("cwd", [ROOT, Path("/")], ids=["in the checkout", "elsewhere"])
+def test_the_version_and_the_command_are_there_wherever_python_starts(cwd: Path) -> None:
+    assert said(cwd, "-c", "import skolem; print(skolem.__version__)") == version("skolem")
+    assert said(cwd, "-m", "skolem", "--version") == f"skolem {version('skolem')}"
+    assert said(cwd, "-c", "import skolem, skolem.traces.errors as e; print(e.__file__)") == str(
+        ROOT / "traces" / "errors.py"
+    )
+
+
+def test_the_package_itself_promises_its_version_and_nothing_else() -> None:
+    assert skolem.__all__ == ("__version__",)
+    assert skolem.__version__ == CONFIG["project"]["version"]
+    with pytest.raises(AttributeError, match="'skolem' has no attribute 'Agent'"):
+        _ = skolem.Agent  # type: ignore[attr-defined]
+
+
+def test_importing_the_package_by_itself_looks_nothing_up() -> None:
+    assert said(ROOT, "-c", "import sys, skolem; print('importlib.metadata' in sys.modules)") == "False"
 
 
 def pinned() -> dict[str, str]:
@@ -109,7 +142,7 @@ def test_the_hash_of_the_program_notices_a_change_in_a_room(tmp_path: Path) -> N
     for folder in sorted(packages()):
         (tmp_path / folder).mkdir(parents=True, exist_ok=True)
     hashes = {source_sha256(tmp_path)}
-    decisive = sorted(folder for folder in packages() if folder.split("/")[0] not in ("rules", "tools"))
+    decisive = sorted(folder for folder in packages() if folder.split("/")[0] not in ("rules", "tools", TOP))
     for folder in decisive:
         (tmp_path / folder / "planted.py").touch()
         hashes.add(source_sha256(tmp_path))

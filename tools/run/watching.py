@@ -16,7 +16,6 @@ from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.writer import begin, discard
 
 NICE: Final = 10
-_SKOLEM: Final = "from skolem.tools.cli import main; raise SystemExit(main())"
 
 
 @contextmanager
@@ -33,7 +32,7 @@ def watched(trace: Path) -> Iterator[IO[bytes]]:
     file = begin(trace)  # the viewer holds it open too: so it finds it under whatever name it gets
     try:
         follower = subprocess.Popen(
-            [sys.executable, "-c", _SKOLEM, "view", f"/dev/fd/{file.fileno()}", "--follow"],
+            [sys.executable, "-m", "skolem", "view", f"/dev/fd/{file.fileno()}", "--follow"],
             stdin=subprocess.DEVNULL,
             pass_fds=[file.fileno()],
             preexec_fn=_aside,
