@@ -14,7 +14,7 @@ from types import FrameType
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "check": (
@@ -96,9 +96,16 @@ class LazyGroup(TyperGroup):
         with formatter.section("Verbs"):
             formatter.write_dl([(name, line) for name, (_, line) in VERBS.items()])
 
+    def shell_complete(self, ctx: Any, incomplete: str) -> Any:
+        """Complete a verb without importing any, or an option."""
+        if incomplete.startswith("-"):
+            return super().shell_complete(ctx, incomplete)
+        stand_ins = TyperGroup(commands={name: TyperCommand(name, help=line) for name, (_, line) in VERBS.items()})
+        return stand_ins.shell_complete(type(ctx)(stand_ins), incomplete)
+
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the verb, or name the nearest one there is."""
-        if args[0] not in VERBS:
+        if args[0] not in VERBS and not ctx.resilient_parsing:  # which completion asks for
             close = difflib.get_close_matches(args[0], VERBS, 1)
             hint = f"did you mean '{close[0]}'?" if close else f"there are: {', '.join(VERBS)}"
             ctx.fail(f"no verb '{args[0]}'; {hint}")
@@ -108,7 +115,6 @@ class LazyGroup(TyperGroup):
 app = typer.Typer(
     cls=LazyGroup,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
