@@ -1,7 +1,7 @@
 """A robot that achieves goals about objects that are only described.
 
 Its parts are packages: `skolem.reasoner`, `skolem.estimation`, `skolem.sim`, `skolem.traces` and `skolem.tools.loop`
-say in `__all__` what they promise. Here is the version alone.
+say in `__all__` what they promise. Here is the version alone. May import: tools.cli.
 """
 
 from typing import TYPE_CHECKING

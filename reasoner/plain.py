@@ -1,4 +1,4 @@
-"""The neutral answer to every question that the reasoner asks of a belief.
+"""The neutral answer to every question that is asked of a belief. May import: protocols.
 
 One's own belief derives from `PlainBelief` and overrides what it knows better.
 """
