@@ -12,7 +12,7 @@ from typing import Final, Protocol
 
 from google.protobuf.message import Message as Protobuf
 
-from skolem.reasoner.protocols import Geometry
+from skolem.reasoner import Geometry
 from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.errors import Fault, InputError, told
 from skolem.traces.messages import (
