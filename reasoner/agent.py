@@ -1,6 +1,6 @@
-"""One turn of the robot's mind: check the goal, keep or drop plans, plan, and name the next action.
+"""One turn of the reasoner: check the goal, keep or drop plans, plan, and name the next action.
 
-Everything it does with a belief is written down in the `Turn` it returns: plans, searches, the action or the end.
+The `Turn` that it returns records everything: plans, searches, and the action or the end.
 
 May import: planning.
 """
@@ -40,7 +40,7 @@ NOT_FOUND: Final = "not found in detail within the limit"
 
 @dataclass(slots=True)
 class Turn:
-    """What one decision wrote down, and its outcome: an action or the end of the run."""
+    """The record of one decision and its outcome: an action or the end of the run."""
 
     closest: Closest
     denotation: Denotation
@@ -98,13 +98,13 @@ class Agent:
         return turn
 
     def take_stock(self) -> None:
-        """Pose the goal of the belief as it is now, and judge by it what was done last; `decide` begins with this."""
+        """Pose the goal in the present belief and judge the last action by it; `decide` begins with this."""
         if self._belief.version != self._version:
             self._begin_anew()
         self._judge_last()
 
     def memory(self, step: int) -> Memory:
-        """Return what is remembered from before; with the belief, all that the next decision depends on."""
+        """Return the memory of earlier decisions; the next decision depends on it and on the belief alone."""
         layers, current = self._stack.steps()
         return Memory(
             step=step,
@@ -125,7 +125,7 @@ class Agent:
         self._begin_anew()
 
     def _begin_anew(self) -> None:
-        """Pose the goal of the belief as it is now, and forget what was found out about another."""
+        """Pose the goal in the present belief, and forget the findings about an earlier one."""
         self._version, self.posed = self._belief.version, self._pose()
         self._refused.clear()
         self._in_vain.clear()
@@ -251,7 +251,7 @@ class Agent:
         return (instance.step, level) in self._refused or self._attempts.is_hopeless(instance.step)
 
     def _judge_last(self) -> None:
-        """Note whether the last action did what the plan took it for; what is in vain here may be done elsewhere."""
+        """Note whether the last action achieved the results that its step promised."""
         if self._executed is not None:
             before = self._attempts.fruitless_here()
             achieved = self.posed.satisfied(self._executed.subgoal) is not None
@@ -259,7 +259,7 @@ class Agent:
             self._executed = None
             if self._attempts.fruitless_here() != before:
                 self._begin_anew()
-                self._stack.clear()  # it may have been for what is known by now, or for less than it takes now
+                self._stack.clear()  # its subgoal may be known by now, or need more than was planned
 
     def _command(self, executes: Term) -> Command | None:
         if isinstance(executes, Compound) and executes.name == "move":
@@ -300,7 +300,7 @@ class Agent:
 
 
 def _objects(command: Term | None) -> tuple[str, ...]:
-    """Return what a command is about, hands left out: an object; where it is put, and what that is to leave clear."""
+    """Return the objects in a command: the one it acts on, its support, and the one that must stay accessible."""
     if not isinstance(command, Compound):
         raise InternalError(
             f"an operator executes {command}; expected move(..), look(..), pick(..), place(..), weigh(..)"

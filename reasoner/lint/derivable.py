@@ -1,8 +1,8 @@
-"""What rule files can derive, without a belief: the shapes of all atoms that some belief could give rise to.
+"""The shapes of all atoms that rule files can derive in any belief.
 
 The rules are read with `any` for every value that is not written down: a query's answer, a bound, an object. That gives
-for each predicate a finite set of argument patterns, each with the rules it comes from. It is an overestimate: what is
-missing here is derived in no belief.
+for each predicate a finite set of argument patterns, each with its rules. The set is an overestimate: an atom that no
+pattern matches is derived in no belief.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -18,16 +18,16 @@ from skolem.reasoner.terms import ANY, Compound, Term, from_symbol
 from skolem.traces.errors import Fault
 
 _DEEPEST: Final = 5  # deeper terms are cut off, so that there are finitely many
-_OPEN: Final = INPUT | OUTPUT  # what is given, and the words: anything may stand there
+_OPEN: Final = INPUT | OUTPUT  # inputs and words: any argument is possible
 
 Binding = dict[str, Term]
-Constants = Mapping[str, int | None]  # what `#const` names; None if it is no number that is written down
+Constants = Mapping[str, int | None]  # the value that `#const` gives a name; None if it is no plain number
 Tuple = tuple[Term, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A rule in its file; equal if it stands in the same place.
+    """A rule in its file; two are equal if they stand at the same position.
 
     Attributes:
         name: Name of its file, without `.lp`.
@@ -45,12 +45,12 @@ class Source:
 
     @classmethod
     def of(cls, file: RuleFile, statement: AST) -> "Source":
-        """Return where a statement stands."""
+        """Return the source of a statement."""
         begin = statement.location.begin
         return cls(file.name, begin.line, begin.column, file, statement)
 
     def fault(self, message: str) -> Fault:
-        """Return a fault at this place."""
+        """Return a fault at this position."""
         return self.file.fault(self.line, self.column, message)
 
 
@@ -59,7 +59,7 @@ class Shapes:
     """Argument patterns by predicate.
 
     Attributes:
-        open: Predicates of which anything may hold, whatever is derived.
+        open: Predicates for which any arguments are possible.
         derived: By predicate, every pattern of its arguments with the rules that give it, in order of appearance.
     """
 
@@ -77,7 +77,7 @@ class Shapes:
                 yield args, source
 
     def add(self, signature: Signature, found: Tuple, source: Source) -> bool:
-        """Add a pattern; return whether anything is new."""
+        """Add a pattern; return whether the pattern or its source is new."""
         sources = self.derived.setdefault(signature, {}).setdefault(found, [])
         if source in sources:
             return False
@@ -86,11 +86,11 @@ class Shapes:
 
 
 def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozenset[Signature] = frozenset()) -> Shapes:
-    """Return all that rule files can derive whose statements are as they should be.
+    """Return the shapes of all atoms that sound rule files can derive.
 
     Args:
         files: Each file with its statements.
-        uncertain: Predicates of which rules may be missing: anything may stand there.
+        uncertain: Predicates that may lack rules, so that any arguments are possible.
     """
     rules = [Source.of(file, s) for file, statements in files for s in statements if s.ast_type is ASTType.Rule]
     constants = constants_of(files)
@@ -109,7 +109,7 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
 
 
 def stated(rule: AST, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
-    """Yield what a rule derives as far as it stands in its head: `any` for each variable, whatever its body says."""
+    """Yield the predicates and patterns in the head of a rule, with `any` for each variable."""
     symbol = rule.head.atom.symbol
     for term in symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]:
         for found in _patterns(term, {}, constants):
@@ -117,7 +117,7 @@ def stated(rule: AST, constants: Constants) -> Iterator[tuple[Signature, Tuple]]
 
 
 def constants_of(files: Iterable[tuple[RuleFile, Sequence[AST]]]) -> Constants:
-    """Return what `#const` names."""
+    """Return the values that `#const` gives names."""
     found = [s for _, statements in files for s in statements if s.ast_type is ASTType.Definition]
     return {s.name: constant_value(s.value, {}) for s in found}
 
@@ -139,7 +139,7 @@ def _heads(rule: AST, shapes: Shapes, constants: Constants) -> Iterator[tuple[Si
 
 
 def bindings(body: Iterable[AST], shapes: Shapes, constants: Constants) -> list[Binding]:
-    """Return what the variables of a body may stand for."""
+    """Return the possible bindings of the variables of a body."""
     positive = [e for e in body if e.ast_type is ASTType.Literal and e.sign == Sign.NoSign]
     found: list[Binding] = [{}]
     for literal in positive:
@@ -165,7 +165,7 @@ def _matched(atom: AST, binding: Binding, shapes: Shapes, constants: Constants) 
 
 
 def _compared(comparison: AST, binding: Binding, constants: Constants) -> Iterator[Binding]:
-    """Follow `V = term`; any other comparison may hold."""
+    """Yield the bindings under which a comparison may hold; only `V = term` restricts them."""
     guard = comparison.guards[0]
     left, right = comparison.term, guard.term
     if len(comparison.guards) != 1 or guard.comparison != ComparisonOperator.Equal:
@@ -189,7 +189,7 @@ def _compared(comparison: AST, binding: Binding, constants: Constants) -> Iterat
 
 
 def _bound(argument: AST, value: Term, binding: Binding, constants: Constants) -> Binding | None:
-    """Match an argument with a pattern; None if they exclude each other."""
+    """Return the binding extended so that an argument matches a pattern; None if that is impossible."""
     if argument.ast_type is ASTType.Variable:
         if argument.name == "_":
             return binding
@@ -235,7 +235,7 @@ def _patterns(term: AST, binding: Binding, constants: Constants) -> Iterator[Ter
 
 
 def meet(a: Term, b: Term) -> Term | None:
-    """Return the pattern that matches what both match; None if nothing does."""
+    """Return the pattern of the terms that both patterns match; None if there are none."""
     if a == ANY or b == ANY:
         return b if a == ANY else a
     if isinstance(a, Compound) and isinstance(b, Compound) and (a.name, len(a.args)) == (b.name, len(b.args)):

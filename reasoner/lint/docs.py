@@ -1,4 +1,4 @@
-"""The reference of a set of rules, made from the files: their comments, their rules, the words they define."""
+"""The reference of the rules, made from the comments, rules and words of their files."""
 
 import inspect
 import re
@@ -35,14 +35,14 @@ _ALLOWANCE: Final = re.compile(r"allow \w+: ")
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """One rule that says something of a step.
+    """One rule about a step.
 
     Attributes:
         says: The fluent, cost or command it gives.
-        level: The level that first demands a precondition; empty for other parts.
+        level: The first level that demands a precondition; empty for other parts.
         where: The rest of its body.
-        comment: What stands above it.
-        line: Where it stands in its file.
+        comment: The comment above it.
+        line: Its line in its file.
     """
 
     says: str
@@ -58,8 +58,8 @@ class StepDoc:
 
     Attributes:
         signature: The step with its variables.
-        operator: Whether it is carried out, or only inferred.
-        clauses: By part, what the rules say of it.
+        operator: Whether it is an operator, not an inference rule.
+        clauses: The rules about it, by part.
     """
 
     signature: str
@@ -79,7 +79,7 @@ class FileDoc:
         predicates: Signature and text of every documented predicate.
         steps: The operators and inference rules it defines.
         exclusions: Pairs of `mutex/2` with their comment.
-        others: Every other rule with its comment: what the ones above refer to.
+        others: Every other rule with its comment; those above refer to them.
     """
 
     name: str
@@ -177,7 +177,7 @@ def _comment(lines: Sequence[str], statement: AST) -> str:
 
 
 def _group_comment(lines: Sequence[str], statement: AST) -> str:
-    """Return the comment above the paragraph that a statement stands in."""
+    """Return the comment above the paragraph of a statement."""
     above = statement.location.begin.line - 1
     while above > 0 and lines[above - 1] and not lines[above - 1].startswith("%"):
         above -= 1
@@ -209,7 +209,7 @@ def _steps(file: RuleFile, statements: Sequence[AST], shapes: Shapes, lines: Seq
 
 
 def _about(source: Source, part: str, name: str, shapes: Shapes) -> list[tuple[Term, ...]]:
-    """Return the shapes in which a rule gives a part of the step of that name."""
+    """Return the shapes of the atoms with which a rule gives a part of a named step."""
     arity = len(source.statement.head.atom.symbol.arguments)
     return [
         args
@@ -231,7 +231,7 @@ def _clause(statement: AST, part: str, lines: Sequence[str], about: Sequence[tup
 
 
 def _signature(name: str, statements: Iterable[AST]) -> str:
-    """Return the fullest way in which the step is written in a head."""
+    """Return the head that writes the step with most detail."""
     written: list[AST] = []
 
     def note(node: AST) -> None:

@@ -1,14 +1,14 @@
 """The fluents that the belief and the geometry can answer, and the activities that can be carried out, as patterns.
 
-`Situation` evaluates them; this table says what there is, so that rule files can be checked and described without a
-belief. In a pattern `object`, `region` and `hand` name what stands there, `any` is a bound or a number.
+`Situation` evaluates them; this table lists them, so that rule files can be checked and described without a belief.
+In a pattern `object`, `region` and `hand` name the sort of an argument; `any` is a bound or a number.
 """
 
 from typing import Final
 
 from skolem.reasoner.terms import ANY, Compound, Term, parse_term
 
-# pattern -> (what it says, whether a goal can ask for it)
+# pattern -> (its meaning in words, whether a goal can ask for it)
 FLUENTS: Final[dict[str, tuple[str, bool]]] = {
     "b(den(expression,object),any)": ("the object is what the description means", True),
     "b(holds(properties,object),any)": ("it has all of the properties", True),
@@ -43,12 +43,12 @@ _SORTS: Final = frozenset({"expression", "object", "region", "hand", "activity",
 
 
 def sorted_pattern(text: str) -> Term:
-    """Return a pattern of the table with the name of the sort in every place of an argument."""
+    """Return a pattern of the table with the name of its sort for every argument."""
     return parse_term(text)
 
 
 def pattern(text: str) -> Term:
-    """Return a pattern of the table with `any` in every place of an argument."""
+    """Return a pattern of the table with `any` for every argument."""
     return _open(parse_term(text))
 
 
@@ -59,7 +59,7 @@ def _open(term: Term) -> Term:
 
 
 def shape(term: Term) -> str:
-    """Return the names that tell a fluent's kind: `b(on)`, `bn(pose)`, `krd`; `any` if it may be of any kind."""
+    """Return the kind of a fluent: `b(on)`, `bn(pose)`, `krd`; `any` if it may be of any kind."""
     if not isinstance(term, Compound):
         return str(term)
     first = term.args[0]

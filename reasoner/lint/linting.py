@@ -1,7 +1,7 @@
-"""What rule files may say but hardly mean: conditions nothing brings about, words nothing observes, and the like.
+"""Warnings about rules that are allowed but hardly meant, such as preconditions that no step achieves.
 
-Everything here is found without a belief, on the shapes of `rule_shapes`. A warning that is meant is silenced where it
-arises, with its reason: `% allow CODE: why` in the comment above the rule.
+The warnings need no belief; they come from the shapes of `derivable`. A comment `% allow CODE: why` above a rule
+silences one that is intended.
 """
 
 import re
@@ -24,7 +24,7 @@ from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.traces.errors import Fault
 
-CODES: Final = {  # what may be allowed -> what it is about
+CODES: Final = {  # code that may be allowed -> its meaning
     "unreachable": "a precondition that no operator and no inference rule brings about",
     "unused_result": "a result that no rule needs and no goal can ask for",
     "without_krd": "an operator on an object that need not be known by a rigid designator",
@@ -32,7 +32,7 @@ CODES: Final = {  # what may be allowed -> what it is about
     "level_gap": "preconditions whose levels leave one out",
     "unobservable": "a property for which no operator yields the quantity",
 }
-_TURNS_ON: Final[dict[str, frozenset[Signature]]] = {  # predicates of which a rule more could take a finding back
+_TURNS_ON: Final[dict[str, frozenset[Signature]]] = {  # predicates whose missing rules could remove a finding
     "unreachable": frozenset({("result", 2)}),
     "unused_result": frozenset({("precond", 3)}),
     "without_krd": frozenset({("precond", 3)}),
@@ -40,18 +40,18 @@ _TURNS_ON: Final[dict[str, frozenset[Signature]]] = {  # predicates of which a r
     "level_gap": frozenset({("precond", 3)}),
     "unobservable": frozenset({("result", 2), ("executes", 2), ("measures", 2)}) | OUTPUT,
 }
-NO_SUCH_CODE: Final = "no_such_code"  # of an allowance that allows nothing; never allowed itself
+NO_SUCH_CODE: Final = "no_such_code"  # for an allowance with an unknown code; never allowed itself
 _ALLOW: Final = re.compile(r"%\s*allow (?P<code>\w+): (?P<reason>\S.*)")
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Finding:
-    """Something to say about a rule.
+    """A warning or an error about a rule.
 
     Attributes:
-        fault: Where and what.
+        fault: Position and message.
         code: One of `CODES`, `NO_SUCH_CODE` or `wrong_rules.NOT_A_FLUENT`.
-        allowed: The reason given in the file for which it stands; empty if none is.
+        allowed: The reason in the file for allowing it; empty if it is not allowed.
     """
 
     fault: Fault
@@ -60,9 +60,9 @@ class Finding:
 
 
 def findings(rules: Rulebook | Examined) -> list[Finding]:
-    """Return everything to be said about rules, sorted by place, what is allowed too.
+    """Return all findings about rules, allowed ones included, sorted by position.
 
-    Of rules with faults only what holds whatever is done about these.
+    If rules have faults, only findings are returned that remain once the faults are mended.
     """
     doubt = rules.doubt if isinstance(rules, Examined) else Doubt()
     files = files_about_steps(rules)
@@ -78,7 +78,7 @@ def findings(rules: Rulebook | Examined) -> list[Finding]:
 
 
 def _misspelt(file: RuleFile) -> Iterator[Finding]:
-    """Yield the allowances of a file that are of nothing there is."""
+    """Yield a finding for each allowance with an unknown code."""
     for number, line in enumerate(file.content.decode(errors="replace").splitlines(), 1):
         match = _ALLOW.match(line)
         if match and match["code"] not in CODES:
@@ -89,7 +89,7 @@ def _misspelt(file: RuleFile) -> Iterator[Finding]:
 
 
 def _allowance(source: Source, code: str) -> str:
-    """Return the reason for which a finding is allowed, from the comment directly above the rule."""
+    """Return the reason for allowing a finding, from the comment directly above the rule; empty if there is none."""
     lines = source.file.content.decode().splitlines()
     above = source.line - 2
     while above >= 0 and lines[above].startswith("%"):
@@ -118,7 +118,7 @@ def _unused(shapes: Shapes) -> Found:
 
 
 def _by_source(shapes: Shapes, name: str, arity: int) -> Iterator[tuple[Source, list[Term]]]:
-    """Yield every rule of a predicate about fluents with all the shapes of fluent that it gives."""
+    """Yield every rule of a predicate about fluents, with the shapes of its fluents."""
     sources: list[Source] = []
     fluents: list[list[Term]] = []
     for args, source in shapes.every(name, arity):
@@ -194,7 +194,7 @@ def _gives(fluent: Term, quantity: str) -> bool:
 
 
 def _facts(files: Files, word: str) -> Iterator[Source]:
-    """Yield the fact that gives a word its meaning."""
+    """Yield the source of the fact that gives a word its meaning."""
     for file, statements in files:
         for statement in statements:
             symbol = statement.head.atom.symbol if statement.ast_type is ASTType.Rule else None
@@ -208,12 +208,12 @@ def _facts(files: Files, word: str) -> Iterator[Source]:
 
 
 def _known_commands(command: Term) -> list[Term]:
-    """Return the patterns of the commands that have the name of one."""
+    """Return the patterns of the known commands with the name of a command."""
     return [known for known in map(sorted_pattern, COMMANDS) if _functor(known) == _functor(command)]
 
 
 def _written(term: Term) -> str:
-    """Return a pattern as a rule may have it."""
+    """Return a pattern in the notation of rules."""
     return str(Compound(term.name, ("_",) * len(term.args))) if isinstance(term, Compound) else str(term)
 
 

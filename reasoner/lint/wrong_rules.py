@@ -1,6 +1,6 @@
-"""Rules at which a run would stop: about fluents that nothing answers, words without a meaning, unknown commands.
+"""Rules that would stop a run: rules about fluents that cannot be evaluated, words without a meaning, unknown commands.
 
-All of it is found without a belief, on the shapes of `rule_shapes`.
+They are found without a belief, on the shapes of `derivable`.
 """
 
 import inspect
@@ -24,17 +24,17 @@ from skolem.reasoner.terms import ANY, Compound, Term
 from skolem.traces.errors import InputError
 from skolem.traces.messages import HANDS
 
-NOT_A_FLUENT: Final = "not_a_fluent"  # the code of all of it; never allowed
+NOT_A_FLUENT: Final = "not_a_fluent"  # the code of all these findings; never allowed
 
 Files = Sequence[tuple[RuleFile, Sequence[AST]]]
-Found = Iterator[tuple[Source, str, str]]  # a rule, the code of what is found in it, a message
+Found = Iterator[tuple[Source, str, str]]  # a rule, the code of its finding, a message
 
 
 def refuse_wrong(rulebook: Rulebook) -> None:
-    """Refuse rules at which a run would stop.
+    """Refuse rules that would stop a run.
 
     Raises:
-        InputError: With each of these faults.
+        InputError: With a fault for each such rule.
     """
     files = files_about_steps(rulebook)
     found = wrong(shapes_of(files), files, rulebook.vocabulary)
@@ -44,17 +44,17 @@ def refuse_wrong(rulebook: Rulebook) -> None:
 
 
 def files_about_steps(rules: Rulebook | Examined) -> Files:
-    """Return the rule files but those that are about descriptions, each with its statements."""
+    """Return the rule files with their statements, without the file about descriptions."""
     return [(file, found) for file, found in rules.sources if file.name != ABOUT_DESCRIPTIONS]
 
 
 def wrong(shapes: Shapes, files: Files, vocabulary: Vocabulary | None) -> Found:
-    """Yield what would stop a run.
+    """Yield the rules that would stop a run.
 
     Args:
-        shapes: What the rules derive.
+        shapes: The shapes that the rules derive.
         files: The rules.
-        vocabulary: What gives words their meaning; None if some of it is not known, then nothing is said of words.
+        vocabulary: The meanings of words; None if some are not known, then words are not checked.
     """
     yield from _strangers(_spoken_of(shapes, files))
     heads = list(_heads(files))
@@ -71,7 +71,7 @@ def wrong(shapes: Shapes, files: Files, vocabulary: Vocabulary | None) -> Found:
 
 
 def _spoken_of(shapes: Shapes, files: Files) -> Iterator[tuple[Source, Term, list[Term]]]:
-    """Yield every fluent in rules with the patterns of those that may stand there."""
+    """Yield every fluent in rules, with the patterns of the fluents that are allowed at that point."""
     spelt = [text.replace("activity", activity) for text in FLUENTS for activity in ACTIVITIES]
     evaluated = [pattern(text.replace("hand", hand)) for text in spelt for hand in HANDS]
     either = [*map(pattern, FLUENTS), *evaluated]
@@ -83,7 +83,7 @@ def _spoken_of(shapes: Shapes, files: Files) -> Iterator[tuple[Source, Term, lis
 
 
 def _strangers(spoken_of: Iterable[tuple[Source, Term, list[Term]]]) -> Found:
-    """Fluents that neither the belief nor the geometry can answer."""
+    """Yield fluents that neither the belief nor the geometry can answer."""
     for source, fluent, known in spoken_of:
         if all(meet(_without_variables(fluent), other) is None for other in known):
             message = "is not a fluent that the belief or the geometry can answer"
@@ -94,7 +94,7 @@ _Heads = Iterable[tuple[Source, tuple[str, int], tuple[Term, ...]]]
 
 
 def _heads(files: Files) -> Iterator[tuple[Source, tuple[str, int], tuple[Term, ...]]]:
-    """Yield the heads of rules as they stand there: of a variable nothing is known, since what holds it is not seen."""
+    """Yield the heads of rules with `any` for each variable, since the body is not read."""
     constants = constants_of(files)
     for file, statements in files:
         for statement in statements:
@@ -107,7 +107,7 @@ def _is_no_bound(term: Term) -> bool:
 
 
 def _unknown_words(heads: _Heads, files: Files, vocabulary: Vocabulary) -> Found:
-    """Words in fluents that have no meaning."""
+    """Yield words in fluents that have no meaning."""
     places = {("precond", 3): (1,), ("result", 2): (1,), ("destroys", 2): (1,), ("mutex", 2): (0, 1)}
     fluents = [(source, args[i]) for source, signature, args in heads for i in places.get(signature, ())]
     for source, fluent in [*fluents, *_asked(files)]:
@@ -124,7 +124,7 @@ def _no_word(source: Source, word: str, place: str, vocabulary: Vocabulary) -> F
 
 
 def _other_quantities(heads: _Heads, vocabulary: Vocabulary) -> Found:
-    """Words that are said to be settled by a quantity that they are not about."""
+    """Yield words that `measures/2` gives another quantity than their meaning has."""
     for source, signature, args in heads:
         meaning = vocabulary.meanings.get(str(args[0])) if signature == ("measures", 2) else None
         if meaning is not None and args[1] not in (ANY, meaning.quantity):
@@ -133,7 +133,7 @@ def _other_quantities(heads: _Heads, vocabulary: Vocabulary) -> Found:
 
 
 def _wrong_arguments(files: Files, vocabulary: Vocabulary) -> Found:
-    """Names in the arguments of queries that are none of what is asked for there."""
+    """Yield names in the arguments of queries that are of the wrong sort."""
     sorts = {"hand": HANDS, "quantity": QUANTITIES}
     for file, statements in files:
         for statement in statements:
@@ -153,13 +153,13 @@ def _wrong_arguments(files: Files, vocabulary: Vocabulary) -> Found:
 
 
 def _parameters(query: str) -> tuple[str, ...]:
-    """Return what the arguments of a query are called."""
+    """Return the names of the arguments of a query."""
     found = getattr(Queries, query, None)
     return tuple(inspect.signature(found).parameters)[1:] if inspect.isfunction(found) else ()
 
 
 def _words(place: Term, term: Term) -> Iterator[str]:
-    """Yield what stands where a pattern of `FLUENTS` has a word or properties."""
+    """Yield the words in a term where a pattern of `FLUENTS` has a word or properties."""
     match place, term:
         case "word", str() if term != ANY:
             yield term
@@ -171,12 +171,12 @@ def _words(place: Term, term: Term) -> Iterator[str]:
 
 
 def _named(fluent: Term) -> str:
-    """Return a fluent as a fault names it: by its kind if that is what is wrong, as it is if not."""
+    """Return a fluent's name in a fault: its kind if the kind is unknown, else its text."""
     return str(fluent) if _of_kind(fluent) else shape(fluent)
 
 
 def _instead(fluent: Term) -> str:
-    """Return what may have been meant."""
+    """Return a hint at the fluents that may be meant."""
     if alike := _of_kind(fluent):
         sorts = {"activity": ACTIVITIES, "hand": HANDS}
         spelt = [f"{sort} is {', '.join(names)}" for sort, names in sorts.items() if any(sort in a for a in alike)]
@@ -187,7 +187,7 @@ def _instead(fluent: Term) -> str:
 
 
 def _of_kind(fluent: Term) -> list[str]:
-    """Return the fluents of the table that have the kind of this one."""
+    """Return the fluents of the table that are of the same kind."""
     return [text for text in FLUENTS if shape(pattern(text)) == shape(fluent)]
 
 
@@ -219,7 +219,7 @@ def written(node: AST) -> Term:
 
 
 def _without_variables(term: Term) -> Term:
-    """Return a pattern of `mutex.lp` or `destroys/2` as the shapes know it."""
+    """Return a pattern of `mutex.lp` or `destroys/2` with `any` for `same`, `other` and `under`."""
     if not isinstance(term, Compound):
         return term
     if term.name in ("same", "other", "under"):

@@ -1,4 +1,4 @@
-"""What was done without doing what it should: how often a step in a row, and what from where the robot stands."""
+"""Counts of failed attempts: of each step in a row, and of each command from where the robot stands."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -9,16 +9,16 @@ from skolem.traces.messages import Limits
 
 
 class Attempts:
-    """Counts, by step and by command; a success forgets both, a drive what was in vain from the place before."""
+    """Failures by step and by command; a success resets both counts, a drive resets those of all commands."""
 
     def __init__(self, limits: Limits) -> None:
-        """Know of no failure."""
+        """Begin without failures."""
         self._limits = limits
         self._failures: Counter[Term] = Counter()
         self._in_vain: Counter[Term] = Counter()
 
     def judge(self, done: Instance, achieved: bool) -> None:
-        """Note whether what was executed did what the plan took it for."""
+        """Note whether an executed step achieved its results."""
         self._failures[done.step] = 0 if achieved else self._failures[done.step] + 1
         if isinstance(done.executes, Compound) and done.executes.name == "move":
             self._in_vain.clear()
@@ -38,7 +38,7 @@ class Attempts:
         return [step for step in self._failures if self.is_hopeless(step)]
 
     def fruitless_here(self) -> frozenset[Term]:
-        """Return the commands that were in vain so often that from here another time promises no more."""
+        """Return the commands that failed so often from here that they are not repeated from here."""
         return frozenset(done for done, count in self._in_vain.items() if count >= self._limits.same_looks)
 
     def failures(self) -> dict[str, int]:
@@ -46,11 +46,11 @@ class Attempts:
         return _written(self._failures)
 
     def in_vain(self) -> dict[str, int]:
-        """Return how often in a row each command was in vain from here, for the trace."""
+        """Return how often in a row each command failed from here, for the trace."""
         return _written(self._in_vain)
 
     def recall(self, failures: Mapping[str, int], in_vain: Mapping[str, int]) -> None:
-        """Take over counts as the trace has them."""
+        """Take over the counts of a trace."""
         self._failures, self._in_vain = _read(failures), _read(in_vain)
 
 

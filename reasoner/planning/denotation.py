@@ -1,9 +1,9 @@
-"""What a description denotes: the axioms of `denote.lp` compiled to a circuit, evaluated on a belief in floats.
+"""Denotation: the axioms of `denote.lp` compile a description to a circuit, which is evaluated on a belief.
 
-Rules say which number each subexpression is; this module computes the numbers (section "Denoting objects"):
+The rules state the arithmetic of each subexpression; this module computes it (section "Denoting objects"):
 b(R(c)) for an atom, the product for And, a + b - ab for Or, and Or over all known objects for Exists.
 
-Existence: b(R(c)) is the probability given that c exists. What a variable ranges over is weighted by P(exists) once:
+Existence: b(R(c)) is the probability given that c exists. Each object that a variable stands for is weighted once:
 Den(lambda x. e, c) is P(c exists) times the value of e, and `exists y. e` is Or over all c of P(c exists) times e.
 """
 
@@ -23,12 +23,12 @@ from skolem.reasoner.terms import Compound, Term, compound
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Meaning
 
-STRANGER: Final = "_new_"  # an object that nobody has met yet
+STRANGER: Final = "_new_"  # an object that is not met yet
 _NOTHING: Final = Compound("", ())
 
 
 class GroundBeliefs(Protocol):
-    """The part of `protocols.BeliefQueries` that gives descriptions their value."""
+    """The part of `protocols.BeliefQueries` that denotation needs."""
 
     @property
     def version(self) -> int:
@@ -40,7 +40,7 @@ class GroundBeliefs(Protocol):
         ...
 
     def prob_exists(self, anchor: str) -> float:
-        """P(there is such an object)."""
+        """P(the object exists)."""
         ...
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
@@ -52,12 +52,12 @@ class GroundBeliefs(Protocol):
         ...
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """P(the objects are at most so far apart), given that both exist."""
+        """P(the objects are at most `distance_m` apart), given that both exist."""
         ...
 
 
 class OpenBeliefs(GroundBeliefs, Protocol):
-    """What is believed, beyond the known objects, of those nobody has met yet."""
+    """Beliefs about known objects and about objects that are not met yet."""
 
     def prob_property_of_new(self, meaning: Meaning) -> float:
         """P(an arbitrary new object has the property)."""
@@ -108,10 +108,10 @@ class Circuit:
     """A compiled description.
 
     Attributes:
-        variable: What the lambda binds.
-        root: The value of its body.
-        props: The properties said of the described object itself, by name, sorted.
-        compared: Those of them that compare it with a number: relation and thousandths, by name.
+        variable: The variable that the lambda binds.
+        root: The node of its body.
+        props: Names of the properties of the described object itself, sorted.
+        compared: Relation and thousandths of those properties that compare it with a number, by name.
     """
 
     variable: Term
@@ -144,7 +144,7 @@ def compile_description(description: Lambda, rulebook: Rulebook) -> Circuit:
 
 
 def expression_term(expression: Expression) -> Term:
-    """Return an expression as `denote.lp` reads it."""
+    """Return the term of an expression that `denote.lp` reads."""
     match expression:
         case And(left, right):
             return compound("and", expression_term(left), expression_term(right))
@@ -183,7 +183,7 @@ def _leaves(node: Node) -> Iterator[Leaf]:
 
 
 def compared_in(leaf: Leaf, variable: Term) -> tuple[str, int] | None:
-    """Return relation and number, in thousandths, of a comparison of what a variable stands for; None if it is none."""
+    """Return relation and thousandths of a leaf that compares the variable with a number; None for other leaves."""
     match leaf.args:
         case (one, Compound("number", (int(thousandths),))) if one == variable:
             return leaf.relation, thousandths
@@ -213,7 +213,7 @@ def evaluate_at(anchor: str, circuit: Circuit, belief: GroundBeliefs, vocabulary
 
 
 class _Beliefs:
-    """Beliefs in ground relations over the anchors, each asked for once."""
+    """Beliefs in ground relations over the anchors; the belief is asked once for each."""
 
     def __init__(self, belief: GroundBeliefs, vocabulary: Vocabulary) -> None:
         self._belief, self._vocabulary = belief, vocabulary
@@ -223,11 +223,11 @@ class _Beliefs:
 
     @cached_property
     def exist(self) -> NDArray[np.float64]:
-        """P(it exists) of each anchor."""
+        """P(exists) of each anchor, shape (n,)."""
         return np.array([self._belief.prob_exists(anchor) for anchor in self.anchors], dtype=np.float64)
 
     def ground(self, relation: str, args: tuple[Term, ...]) -> float:
-        """Return b(R(c1, .., cn)); 0 if it is about an unknown anchor.
+        """Return b(R(c1, .., cn)); 0 for an unknown anchor.
 
         Raises:
             InternalError: If the vocabulary has no such relation.
@@ -257,7 +257,7 @@ _Axes = tuple[tuple[Term, tuple[str, ...]], ...]  # variables, each with the anc
 
 
 def _value(node: Node, axes: _Axes, beliefs: _Beliefs) -> NDArray[np.float64]:
-    """Return the value of a node, with one axis per variable in `axes`, of length 1 where it does not depend on it."""
+    """Return the value of a node with one axis per variable in `axes`, of length 1 if independent of the variable."""
     match node:
         case Leaf():
             return _leaf(node, axes, beliefs)
@@ -290,14 +290,14 @@ def _leaf(leaf: Leaf, axes: _Axes, beliefs: _Beliefs) -> NDArray[np.float64]:
 
 
 class WithStranger:
-    """A belief with one more object in it, which is in a region and otherwise as any object may be."""
+    """A belief with one more object: it lies in a given region and has the priors of an arbitrary object."""
 
     def __init__(self, belief: OpenBeliefs, region: str) -> None:
         self._belief, self._region = belief, region
 
     @property
     def version(self) -> int:
-        """As the belief's."""
+        """Version of the belief."""
         return self._belief.version
 
     def anchors(self) -> tuple[str, ...]:
@@ -305,23 +305,23 @@ class WithStranger:
         return (*self._belief.anchors(), STRANGER)
 
     def prob_exists(self, anchor: str) -> float:
-        """1 for the stranger: what is asked is given that it exists."""
+        """P(the object exists); 1 for the stranger, since its existence is given."""
         return 1.0 if anchor == STRANGER else self._belief.prob_exists(anchor)
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
-        """The prior of an arbitrary object for the stranger."""
+        """P(the object has the property); for the stranger, the prior of an arbitrary object."""
         if anchor == STRANGER:
             return self._belief.prob_property_of_new(meaning)
         return self._belief.prob_property(anchor, meaning)
 
     def prob_on(self, anchor: str, support: str) -> float:
-        """1 for the stranger on the region's support."""
+        """P(the object rests on the support); the stranger rests on that of its region."""
         if anchor == STRANGER:
             return float(support == self._belief.region_support(self._region))
         return 0.0 if support == STRANGER else self._belief.prob_on(anchor, support)
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """Of the stranger: that the other is in the same region, where it may turn out to be near."""
+        """P(the objects are near); for the stranger, P(the other is in its region), where it may be near."""
         if STRANGER not in (anchor, other):
             return self._belief.prob_near(anchor, other, distance_m)
         if anchor == other:

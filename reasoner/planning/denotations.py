@@ -1,4 +1,4 @@
-"""The descriptions of a goal: P(Den) of every object, and which properties make each description true."""
+"""The descriptions of a goal: P(Den) of every object, and the properties that make each description true."""
 
 from collections.abc import Iterable, Mapping
 from itertools import product
@@ -32,9 +32,9 @@ class Denotations:
     """The descriptions of a goal, evaluated once per version of the belief.
 
     Attributes:
-        circuits: By the constant of the description.
-        meanings: What properties mean, by name: the words, and what the descriptions compare with numbers.
-        alternatives: By the constant of the description, as `alternatives` gives them.
+        circuits: The circuit of each description, by its constant.
+        meanings: The meaning of each property by name: those of the words, and the comparisons with numbers.
+        alternatives: The result of `alternatives` for each description, by its constant.
     """
 
     def __init__(self, expressions: Mapping[str, Lambda], rulebook: Rulebook) -> None:
@@ -60,11 +60,11 @@ class Denotations:
         return self.table(expression, belief).get(anchor, 0.0)
 
     def probability_of_new(self, expression: str, region: str, belief: OpenBeliefs) -> float:
-        """Return P(Den) of an arbitrary object that nobody has met yet and that is in the region."""
+        """Return P(Den) of an arbitrary object in the region that is not met yet."""
         return evaluate_at(STRANGER, self.circuits[expression], WithStranger(belief, region), self._vocabulary)
 
     def conjuncts(self, expression: str, anchor: str, belief: GroundBeliefs) -> dict[str, float]:
-        """Return the probability of each property that the description turns on: the parts of an explanation."""
+        """Return the probability of each property in the description, for explanations."""
         return {name: belief.prob_property(anchor, self.meanings[name]) for name in self.circuits[expression].props}
 
 
@@ -72,9 +72,9 @@ class Denotations:
 
 
 def alternatives(circuit: Circuit) -> tuple[tuple[str, ...], ...]:
-    """Return sets of properties of the described object, each enough to make its description true as far as they go.
+    """Return the minimal sets of properties of the described object that make its description true, smallest first.
 
-    Minimal sets, smallest first. Relations to others are left out: no observation of one object settles those.
+    Relations to other objects count as true: no observation of one object settles those.
     """
     return tuple(tuple(sorted(words)) for words in _alternatives(circuit.root, circuit) if words)
 
@@ -96,7 +96,7 @@ def _alternatives(node: Node, circuit: Circuit) -> list[frozenset[str]]:
 
 
 def _minimal(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:
-    """Return the sets without supersets of non-empty ones, in a fixed order."""
+    """Return the sets that are no supersets of other non-empty ones, in a fixed order."""
     ordered = sorted(set(sets), key=lambda words: (len(words), sorted(words)))
     kept = [words for words in ordered if not any(other and other < words for other in ordered)]
     return kept[:MOST_ALTERNATIVES]

@@ -1,8 +1,8 @@
-"""Gaussian fluents B(phi, mu, Sigma, Delta, p): testing them, and regressing them through an observation.
+"""Gaussian fluents B(phi, mu, Sigma, Delta, p): their test, and their regression through an observation.
 
 Bounds are terms in thousandths of the quantity's unit (metres, radians, ln kg, or 0..1 for a colour axis):
 `v(..)` a mean, `sd(..)` the standard deviations of a diagonal Sigma, `tol(..)` the half widths Delta; `any` in a slot
-asks nothing of that axis.
+puts no bound on that axis.
 """
 
 import math
@@ -17,8 +17,8 @@ from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
 from skolem.traces.messages import HsvVolume, Quantity, WeightInterval
 
 _UNIT: Final = 1000.0
-_SUREST: Final = 1.0 - 0.5e-6  # above, a probability is 0 micronats, and no bound is wide enough for it
-_MOST_OBSERVATIONS: Final = 8  # what takes more counts as out of the sensor's reach
+_SUREST: Final = 1.0 - 0.5e-6  # a greater probability is 0 micro-nats, and no finite bound gives it
+_MOST_OBSERVATIONS: Final = 8  # if more are needed, the sensor counts as too weak
 _TURN: Final = {
     "pose": (None, None, 2 * math.pi),
     "colour": (1.0, None, None),
@@ -34,7 +34,7 @@ def holds(quantity: Quantity, belief: Gaussian, mu: Term, sigma: Term, delta: Te
 
 
 def _covered(covariance: NDArray[np.float64], sigma: Term) -> bool:
-    """Return whether the equi-probability contour of the covariance lies inside Sigma's, on the axes that are asked."""
+    """Return whether the equi-probability contour of the covariance lies inside Sigma's, on the bounded axes."""
     axes = _axes(sigma)
     if not axes:
         return True
@@ -57,18 +57,18 @@ def _near(quantity: Quantity, mean: NDArray[np.float64], mu: Term, delta: Term) 
 
 
 def _axes(bound: Term) -> list[tuple[int, float]]:
-    """Return the axes that a bound speaks of, with their values in units."""
+    """Return the bounded axes with their bounds in units."""
     if not isinstance(bound, Compound):
         return []
     return [(i, value / _UNIT) for i, value in enumerate(bound.args) if isinstance(value, int)]
 
 
 def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
-    """Return the Sigma needed before ONE observation so that Sigma holds after it; `any` if the sensor alone suffices.
+    """Return the Sigma needed before ONE observation for `sigma` to hold after it; `any` if none is needed.
 
     The observation's covariance is bounded by a diagonal one (Gershgorin), then each axis is regressed by
-    v_before = v_after v_sensor / (v_sensor - v_after), rounded down to a thousandth. Where nothing is left of the step,
-    it is a whole thousandth if a few observations get that far: else no number of them would seem to lead anywhere.
+    v_before = v_after v_sensor / (v_sensor - v_after), rounded down to a thousandth. If rounding leaves no progress,
+    the bound is raised by a thousandth, provided a few observations reach it: else no number would seem to help.
     """
     if not isinstance(sigma, Compound):
         return ANY
@@ -90,10 +90,10 @@ def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
 def band(
     meaning: HsvVolume | WeightInterval, belief: Gaussian, observation: NDArray[np.float64], p: float
 ) -> tuple[Term, Term, Term] | None:
-    """Return (mu, Sigma, Delta) such that any belief inside has P(meaning) >= p; None if the sensor cannot get there.
+    """Return (mu, Sigma, Delta) such that any belief inside has P(meaning) >= p; None if the sensor is too weak.
 
-    Sigma is what the fewest observations leave of the present variance; Delta keeps the mean far enough from each edge
-    of the set for an even share p^(1/n) of the mass on each of the n axes.
+    Sigma follows from the present variance and the fewest observations that suffice; Delta keeps the mean far enough
+    from each edge of the set for an even share p^(1/n) of the mass on each of the n axes.
     """
     prior = np.diagonal(belief.covariance).tolist()
     sensor = np.diagonal(observation).tolist()
@@ -132,10 +132,10 @@ def _intervals(meaning: HsvVolume | WeightInterval, belief: Gaussian) -> list[tu
 
 
 def before_reading(p: float, right: float) -> float:
-    """Return the belief needed before a discrete reading that is right with probability `right`, to believe p after.
+    """Return the belief needed before a discrete reading to believe p after it; the reading is right with P = `right`.
 
-    Never more than .2 below p: one reading is not trusted to turn the belief around, several are. However unlikely the
-    value is now, some number of readings gets there; what speaks against trying is the price of the prior.
+    The result is at most .2 below p: one reading is not trusted to turn the belief around, several are. However
+    unlikely the value is now, some number of readings gets there; the price of the prior makes trying expensive.
     """
     wrong = 1 - right
     needed = p * wrong / (p * wrong + (1 - p) * right) if p < 1 else 1.0

@@ -1,4 +1,4 @@
-"""A goal in one belief: what its variables may stand for, whether it is achieved, and what comes closest to it."""
+"""A goal in one belief: its instantiations, whether it is achieved, and the instantiation closest to it."""
 
 import itertools
 import math
@@ -21,12 +21,12 @@ Binding = Mapping[Term, Term]
 
 @dataclass(frozen=True, slots=True)
 class Closest:
-    """The instantiation of a goal that comes closest to it.
+    """The instantiation of a goal that is closest to being achieved.
 
     Attributes:
         probability: Product of the probabilities of its fluents.
-        anchor: The object a description of the goal is about; None if the goal names none.
-        conjuncts: Of that object, P of every property the descriptions turn on.
+        anchor: The object of its first belief about a known object; None if there is none.
+        conjuncts: P of that object's having each property in the descriptions, by name.
     """
 
     probability: float = 0.0
@@ -35,11 +35,11 @@ class Closest:
 
 
 class PosedGoal:
-    """A goal, posed of one version of the belief.
+    """A goal in one version of the belief.
 
     Attributes:
-        situation: Which fluents hold.
-        offers: What the rules offer.
+        situation: The truth of fluents.
+        offers: The instances that the rules offer.
     """
 
     def __init__(
@@ -68,15 +68,15 @@ class PosedGoal:
         self.instantiations = self._instantiate()
 
     def achieved(self) -> Subgoal | None:
-        """Return the first instantiation all of whose fluents hold."""
+        """Return the first instantiation whose fluents all hold; None if there is none."""
         return next((root for root in self.instantiations if self.holds_all(root)), None)
 
     def holds_all(self, fluents: Subgoal) -> bool:
-        """Test a conjunction, what geometry has to be asked about last: it is the dearest."""
+        """Return whether all fluents hold; geometric fluents are tested last, since they cost most."""
         return all(map(self.situation.holds, sorted(fluents, key=lambda f: (_is_geometric(f), str(f)))))
 
     def satisfied(self, fluents: Subgoal) -> Binding | None:
-        """Return under which binding of Skolem constants a conjunction holds; one anchor must satisfy all of it."""
+        """Return a binding of Skolem constants to anchors under which all fluents hold; None if there is none."""
         constants = sorted({s for f in fluents for s in _skolems(f)}, key=str)
         if not constants:
             return {} if self.holds_all(fluents) else None
@@ -89,7 +89,7 @@ class PosedGoal:
     def closest(self) -> Closest:
         """Return the instantiation without Skolem constants that is most probable now.
 
-        Of equally probable ones it is one about a thing that hands can move, then one whose object is likelier meant.
+        Among equally probable ones, an object that hands can move comes first, then the likelier denoted one.
         """
         known = [root for root in self.instantiations if not any(mentions(f, "sk") for f in root)]
         anchors = self.situation.anchors()
@@ -106,7 +106,7 @@ class PosedGoal:
         return Closest(self._probability(best), anchor, {} if anchor is None else self._conjuncts(anchor))
 
     def _nearest(self, anchors: tuple[str, ...]) -> Closest:
-        """Return what comes nearest to the descriptions of the goal, where they denote nothing that is known."""
+        """Return the object nearest to the descriptions of a goal that has no instantiation with known objects."""
         found = [(conjuncts, anchor) for anchor in anchors if (conjuncts := self._conjuncts(anchor))]
         if not found:
             return Closest()
@@ -114,7 +114,10 @@ class PosedGoal:
         return Closest(0.0, anchor, conjuncts)
 
     def _probability(self, root: Subgoal, kind: str = "") -> float:
-        """Return the product over the beliefs of a conjunction, 0 if anything else in it is false; or over one kind."""
+        """Return the product of the probabilities in a conjunction, 0 if any other fluent is false.
+
+        With `kind`, the product is over beliefs of that kind alone.
+        """
         if not kind and not all(self.situation.holds(f) for f in root if isinstance(f, Compound) and f.name != "b"):
             return 0.0
         phis = [f.args[0] for f in sorted(root, key=str) if isinstance(f, Compound) and f.name == "b"]
@@ -131,7 +134,7 @@ class PosedGoal:
         return found
 
     def _instantiate(self) -> tuple[Subgoal, ...]:
-        """Return the goal once per choice of what its variables stand for, as the rules offer them.
+        """Return the goal once for each choice of candidates for its variables, as the rules offer them.
 
         Anchors come in order of introduction, Skolem constants last; with equal costs the earlier choice is taken.
         """
@@ -150,7 +153,7 @@ class PosedGoal:
 
 
 def read_mutexes(rulebook: Rulebook) -> Mutexes:
-    """Return the exclusions that the rules state, in whichever file; those of other files may follow from anything."""
+    """Return the mutexes that the rules state; if other files than `mutex.lp` state some, all files are solved."""
     stating = rulebook.stating(("mutex", 2))
     every = [file.name for file, _ in rulebook.sources if file.name != ABOUT_DESCRIPTIONS]
     files = stating if stating == ("mutex",) else every
@@ -168,15 +171,14 @@ def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | 
 
 
 def nearness(conjuncts: Mapping[str, float], anchor: str, belief: BeliefQueries) -> tuple[bool, float, float]:
-    """Return how near an object comes to what is meant, for comparison.
+    """Return a sort key for how near an object is to the descriptions of a goal.
 
-    Things that hands can move come first; then counts P of all but the property that it is least likely to have, then P
-    of that.
+    Objects that hands can move come first; then counts P of all properties but the least likely, then P of that.
 
     Args:
-        conjuncts: P of every property that the descriptions turn on; there is at least one.
+        conjuncts: P of every property in the descriptions; there is at least one.
         anchor: The object.
-        belief: What is believed of it.
+        belief: The belief about it.
     """
     *rest, least = sorted(conjuncts.values(), reverse=True)
     return belief.graspable(anchor), belief.prob_exists(anchor) * math.prod(rest), least
@@ -194,7 +196,7 @@ def _skolems(term: Term) -> set[Term]:
 
 
 def _subject(root: Subgoal, anchors: tuple[str, ...]) -> str | None:
-    """Return the object a description of the goal is about, or the first anchor it names."""
+    """Return the object of the first fluent, by text, that is a belief about a known object."""
     for fluent in sorted(root, key=str):
         match fluent:
             case Compound("b" | "bn", (Compound(_, args), *_)) | Compound("krd", args):

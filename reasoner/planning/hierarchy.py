@@ -21,7 +21,7 @@ Satisfied = Callable[[Subgoal], Binding | None]  # the binding of Skolem constan
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What happened to the stack: logged as the cause of a `Plan` message.
+    """A change of the stack: recorded as the cause of a `Plan` message.
 
     Attributes:
         cause: What it was.
@@ -80,7 +80,7 @@ class PlanStack:
         """Choose a step in every layer for the present belief, pop layers that do not apply; return what changed.
 
         Args:
-            satisfied: Returns what makes a conjunction true now: a binding of its Skolem constants, None if nothing.
+            satisfied: Returns a binding of Skolem constants that makes a conjunction true now; None if there is none.
             false_in: Returns the fluents of a conjunction that are false now.
             refused: Whether a step cannot be used at a level in this belief. If a Skolem constant turns out to be an
                 anchor with which such a step would have to be taken, every plan is dropped.

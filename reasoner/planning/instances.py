@@ -1,4 +1,4 @@
-"""Rule instances: what the rules offer to achieve one fluent, read from one answer of clingo."""
+"""Rule instances: the steps that the rules offer to achieve one fluent, read from one answer of clingo."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
@@ -14,14 +14,14 @@ class Instance:
     """One ground instance of an operator or inference rule.
 
     Attributes:
-        step: The instance itself.
-        called: The operation it counts as; instances of one operation share their abstraction level.
+        step: The term of the instance.
+        called: Its operation; instances of one operation share their abstraction level.
         costs: -ln p in micro-nats, by reason.
         results: Fluents it makes true.
-        preconditions: Fluents it needs, each with the level that first demands it.
+        preconditions: Fluents it needs, each with the first level that demands it.
         destroys: Patterns of fluents it may make false.
         executes: The primitive that carries it out; None for an inference.
-        immediate: Whether it is expanded before anything else: an inference with a single way to go.
+        immediate: Whether it is expanded before all others: an inference without alternative.
         rejected: Why the rules refuse it; empty if they do not.
     """
 
@@ -59,7 +59,7 @@ class Instance:
         return sorted((f for f, at in self.preconditions if at > level), key=str)
 
     def merged(self, other: "Instance") -> "Instance":
-        """Return the same step when it is taken for both fluents it was offered for."""
+        """Return the step with the parts of both offers: this one and another of the same step."""
         return Instance(
             self.step,
             self.called,
@@ -86,10 +86,10 @@ class _Parts:
 
 
 def read_instances(atoms: Mapping[str, Iterable[tuple[Term, ...]]]) -> tuple[Instance, ...]:
-    """Return the instances of one answer, rejected ones too, sorted by text.
+    """Return all instances of one answer, rejected ones included, sorted by text.
 
     Raises:
-        InternalError: If a cost or a level is no whole number from 0: no step costs less than nothing.
+        InternalError: If a cost or a level is negative or not an integer.
     """
     parts: defaultdict[Term, _Parts] = defaultdict(_Parts)
     of = parts.__getitem__
@@ -136,7 +136,7 @@ def _natural(term: Term, where: str) -> int:
 
 
 def title(operation: Term) -> str:
-    """Return an operation as people read it: `look_at(o2)` becomes `LookAt(o2)`."""
+    """Return the text of an operation for people: `look_at(o2)` becomes `LookAt(o2)`."""
     if not isinstance(operation, Compound):
         return str(operation)
     name = "".join(word.capitalize() for word in operation.name.split("_"))

@@ -1,4 +1,4 @@
-"""Steps as a trace keeps them, and back: all of a step that matters once it is on the plan stack."""
+"""Conversion of steps to the trace and back, with all parts that matter once a step is on the plan stack."""
 
 from skolem.reasoner.planning.hierarchy import plan_step
 from skolem.reasoner.planning.instances import Instance
@@ -11,7 +11,7 @@ _DEMANDED = "recalled"  # the single precondition that stands for those of a rec
 
 
 def remembered(step: Step) -> RememberedStep:
-    """Return a step of the stack for the trace."""
+    """Return the message of a step of the stack."""
     instance = step.instance
     return RememberedStep(
         **dict(plan_step(step)),
@@ -22,7 +22,7 @@ def remembered(step: Step) -> RememberedStep:
 
 
 def recalled(step: RememberedStep) -> Step:
-    """Return the step that `remembered` kept, with its price and its concrete level but not what they are made of."""
+    """Return the step of a message; it has the price and the concrete level, but not the single costs and fluents."""
     instance = Instance(
         step=parse_term(step.instance),
         called=parse_term(step.called),

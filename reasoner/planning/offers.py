@@ -1,4 +1,4 @@
-"""What the rules offer in one belief: each fluent is asked about once, several of them in one clingo call."""
+"""The instances that the rules offer in one belief; each fluent is asked once, several in one clingo call."""
 
 from collections.abc import Iterable, Mapping
 
@@ -35,7 +35,7 @@ class RuleOffers:
         return self._memo[fluent]
 
     def prepare(self, fluents: Iterable[Term]) -> None:
-        """Ask about fluents together, as far as their instances are not known yet."""
+        """Ask for the instances of several fluents together, except those that are known already."""
         new = [fluent for fluent in dict.fromkeys(fluents) if fluent not in self._memo]
         if new:
             answers = self._solve([(compound("goal", fluent),) for fluent in new])

@@ -1,4 +1,4 @@
-"""What fluents say of one another: which one entails, excludes or is destroyed.
+"""Relations between fluents: entailment, exclusion, and the patterns that rules match them with.
 
 Patterns come from the rules: `any` matches every term, `same(X)` the same term wherever X occurs, `other(X)` a term
 that differs from the one `same(X)` matched.
@@ -13,7 +13,7 @@ _AT_MOST = {"b": (1,), "bn": (2, 3, 4)}  # arguments in which a smaller value de
 
 
 def entails(fluent: Term, wanted: Term) -> bool:
-    """Return whether `fluent` makes `wanted` true: equal, or a belief at least as strong about the same thing."""
+    """Return whether `fluent` makes `wanted` true: it is equal, or a belief at least as strong about the same."""
     if not isinstance(fluent, Compound) or not isinstance(wanted, Compound):
         return fluent == wanted
     if fluent.name != wanted.name:
@@ -30,7 +30,7 @@ def entails(fluent: Term, wanted: Term) -> bool:
 
 
 def within(bound: Term, limit: Term) -> bool:
-    """Return whether a bound, a number or a tuple of numbers such as sd(8, 8, any), is at least as tight as another."""
+    """Return whether a bound is at least as tight as another; bounds are numbers or tuples such as sd(8, 8, any)."""
     if limit == ANY:
         return True
     if isinstance(bound, int) and isinstance(limit, int):
@@ -41,7 +41,7 @@ def within(bound: Term, limit: Term) -> bool:
 
 
 class Mutexes:
-    """The exclusions that the rules state, asked for pairs of ground fluents."""
+    """The mutexes that the rules state as patterns, tested on pairs of ground fluents."""
 
     def __init__(self, pairs: Iterable[tuple[Term, Term]]) -> None:
         self._pairs: dict[tuple[str, str], list[tuple[Term, Term]]] = {}  # by the names of their fluents
@@ -50,14 +50,14 @@ class Mutexes:
         self._memo: dict[tuple[Term, Term], bool] = {}
 
     def exclude(self, fluent: Term, other: Term) -> bool:
-        """Return whether both fluents can never hold together."""
+        """Return whether two fluents can never hold together."""
         key = (fluent, other)
         if key not in self._memo:
             self._memo[key] = self._one_way(fluent, other) or self._one_way(other, fluent)
         return self._memo[key]
 
     def forget(self) -> None:
-        """Forget the pairs that were asked for: fluents have numbers in them, which another belief changes."""
+        """Forget the answers about pairs: fluents contain numbers, which change with the belief."""
         self._memo.clear()
 
     def _one_way(self, fluent: Term, other: Term) -> bool:
@@ -66,7 +66,7 @@ class Mutexes:
 
 
 def _name(fluent: Term) -> str:
-    """Return what a fluent is called, to try only patterns of that name; `any` for a pattern that fits several."""
+    """Return the name by which patterns are looked up for a fluent; `any` for a pattern that fits several names."""
     if not isinstance(fluent, Compound):
         return str(fluent)
     return ANY if fluent.name in ("same", "other") else fluent.name
@@ -80,7 +80,7 @@ def _both(pattern: Term, pattern2: Term, fluent: Term, fluent2: Term) -> bool:
 
 
 def _bind(pattern: Term, term: Term, binding: dict[Term, Term]) -> bool:
-    """Match all but `other(..)`, collecting what each `same(..)` stands for."""
+    """Match all but `other(..)`, and bind the argument of each `same(..)`."""
     if pattern == ANY:
         return True
     if isinstance(pattern, Compound) and pattern.name == "other":
@@ -95,7 +95,7 @@ def _bind(pattern: Term, term: Term, binding: dict[Term, Term]) -> bool:
 
 
 def _differs(pattern: Term, term: Term, binding: Mapping[Term, Term]) -> bool:
-    """Check each `other(X)` of a pattern that has matched."""
+    """Return whether each `other(X)` of a matched pattern stands for a term other than X's."""
     if not isinstance(pattern, Compound):
         return True
     if pattern.name == "other":

@@ -1,7 +1,7 @@
-"""Why the rules say what they say: derivations of atoms, rule by rule, with file and line and what the belief answered.
+"""Proofs: derivations of atoms, rule by rule, with file, line and the belief's answers to queries.
 
-For every rule `H :- B.` a second one is grounded that notes H with B, so that the derivation is clingo's own and not a
-second reading of the rules. `not` and comparisons are not noted; `X = @query(..)` is.
+For every rule `H :- B.` a second one is grounded that records H with B, so that the derivation is clingo's own and not
+a second interpretation of the rules. `X = @query(..)` is recorded; `not` and other comparisons are not.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,13 +23,13 @@ _ASKED: Final = "asked__"
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """An atom, and the rule that gives it.
+    """An atom and the rule that derives it.
 
     Attributes:
-        atom: What is derived.
-        file: Name of the rule's file; empty for what was given or asked.
+        atom: The derived atom.
+        file: Name of the rule's file; empty for facts and answers of queries.
         line: Its line.
-        premises: The derivations of the positive atoms of its body, and queries with their answers.
+        premises: The proofs of the positive atoms of its body, and the queries with their answers.
     """
 
     atom: Term
@@ -39,18 +39,18 @@ class Proof:
 
     @property
     def place(self) -> str:
-        """`pick.lp:29`; empty for what was given."""
+        """File and line such as `pick.lp:29`; empty for a fact."""
         return f"{self.file}.lp:{self.line}" if self.file else ""
 
 
 class Derivation:
-    """Everything that the rules derive from some facts in one belief, with the rule for each atom."""
+    """All atoms that the rules derive from some facts in one belief, each with its rule."""
 
     def __init__(self, rulebook: Rulebook, facts: Sequence[Term], queries: object) -> None:
         """Ground the rules.
 
         Raises:
-            InternalError: If clingo has anything to say.
+            InternalError: If clingo gives a message.
         """
         names = [file.name for file, _ in rulebook.sources]
         self._notes: dict[Term, tuple[str, int, tuple[Term, ...]]] = {}
@@ -78,7 +78,7 @@ class Derivation:
             self._notes[key] = min(self._notes.get(key, note), note, key=str)
 
     def proof(self, atom: Term, above: frozenset[Term] = frozenset()) -> Proof:
-        """Return the derivation of an atom; itself alone if it was given."""
+        """Return the proof of an atom; for a fact, the atom alone."""
         if isinstance(atom, Compound) and atom.name == _ASKED:
             return Proof(Compound("=", atom.args))
         if atom not in self._notes or atom in above:
@@ -103,8 +103,8 @@ class _Context:
             try:
                 found: Term | list[Term] = getattr(self._queries, name)(*map(from_symbol, symbols))
             except (SkolemError, LookupError):
-                # clingo may order a noted body otherwise than the rule's own, and ask before what guards the question.
-                # Where the rule would have asked too, it would have failed in the run; else the guard is false.
+                # clingo may order the recorded body differently, and call the query before the literal that guards it.
+                # If the rule itself had called it, the run would have failed; so the guard is false.
                 return []
             return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
 
@@ -112,7 +112,7 @@ class _Context:
 
 
 def _noted(statement: AST, number: int) -> Iterable[AST]:
-    """Yield the rule that notes what a rule derives and from what."""
+    """Yield the rule that records the head and the body of a rule."""
     if statement.ast_type is not ASTType.Rule:
         return
     where = statement.location
@@ -136,7 +136,7 @@ class _Wildcards(ast.Transformer):
         self._count = 0
 
     def visit_Variable(self, variable: AST) -> AST:
-        """Return the variable, named."""
+        """Return the variable, with a name if it is `_`."""
         if variable.name != "_":
             return variable
         self._count += 1
@@ -166,7 +166,7 @@ def _calls(term: AST) -> bool:
 
 
 def rules_used(proof: Proof) -> Mapping[str, Proof]:
-    """Return the proofs inside a proof by the place of their rule, outermost first."""
+    """Return the proofs inside a proof by the position of their rule, outermost first."""
     found = {proof.place: proof} if proof.file else {}
     for premise in proof.premises:
         for place, inner in rules_used(premise).items():

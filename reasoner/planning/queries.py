@@ -1,7 +1,7 @@
-"""The questions that rules may ask of the belief: each public method of `Queries` is an @function of the rule files.
+"""The queries that rules may put to the belief: each public method of `Queries` is an @function of the rule files.
 
-Pure functions of (belief version, arguments): clingo may call one several times. Probabilities cross as -ln p in
-integer micro-nats, no answer is an empty list.
+They are pure functions of (belief version, arguments), since clingo may call one several times. Probabilities are
+passed as -ln p in integer micro-nats; an empty list means that there is no answer.
 """
 
 import math
@@ -16,7 +16,7 @@ from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Compound, Term, nll, prob
 from skolem.traces.messages import TypeIs
 
-IMPLAUSIBLE: Final = 0.001  # P of being meant, or of holding what is: what is less likely is not worth a look
+IMPLAUSIBLE: Final = 0.001  # least P(denoted) of an object, or P(ExistsIn) of a region, that is worth a look
 _REPEATED: Final = 0.5
 
 Alternatives = Mapping[str, tuple[tuple[str, ...], ...]]  # expression -> sets of properties, each enough for it
@@ -35,7 +35,7 @@ class Queries:
         return list(self._now.anchors())
 
     def rigid(self, obj: Term) -> Term:
-        """1 if the term is an anchor, a rigid designator, else 0."""
+        """1 if the term is an anchor and so a rigid designator, else 0."""
         return int(obj in self._known)
 
     def plausible(self, expression: str) -> list[Term]:
@@ -44,11 +44,11 @@ class Queries:
         return [a for cost, _, a in sorted(priced) if cost <= nll(IMPLAUSIBLE)]
 
     def present(self, expression: str, anchor: str) -> Term:
-        """-ln P_p: how likely the description denotes the anchor now."""
+        """-ln P_p: the probability that the description denotes the anchor now."""
         return nll(self._den(expression, anchor))
 
     def searchable(self, expression: str, p: int) -> list[Term]:
-        """(region, -ln P(ExistsIn)) for each region that may hold what is meant and is not yet known to the bound p."""
+        """(region, -ln P(ExistsIn)) for each region that may hold a denoted object and is not known to the bound p."""
         found: list[Term] = []
         for region in self._now.belief.regions():
             cost = nll(self._now.probability(Compound("exists_in", (expression, region))))
@@ -57,13 +57,13 @@ class Queries:
         return found
 
     def blockers(self, activity: Term) -> list[Term]:
-        """The movable anchors that stand in the way of an activity."""
+        """The movable anchors that block an activity."""
         return list(self._now.blockers(activity))
 
     def props_for(self, expression: str, anchor: str, p: int) -> list[Term]:
-        """PropsFor: of each set of properties that suffices, those believed less than their even share of the bound.
+        """PropsFor: the properties of each sufficient set that are not yet believed to an even share of p.
 
-        All of the set if those alone would not tell of which set they are; to be sure of the others then costs nothing.
+        The whole set is given if those alone do not identify it; the others then add no cost.
         """
         found: list[Term] = []
         for words in self._alternatives[expression]:
@@ -74,11 +74,11 @@ class Queries:
         return found
 
     def portion(self, expression: str, props: Compound, anchor: str, p: int) -> Term:
-        """The part of the bound that falls to `props`: an even share for each property of the set it comes from."""
+        """The part of the bound p for `props`: an even share for each property of the sufficient set they come from."""
         return p * len(props.args) // len(self._set_of(expression, props))
 
     def settled(self, expression: str, props: Compound) -> list[Term]:
-        """The properties of the set that `props` comes from which are believed enough now, if there are any."""
+        """The other properties of the sufficient set that `props` comes from, if any; they are believed enough."""
         rest = tuple(word for word in self._set_of(expression, props) if word not in props.args)
         return [Compound("", rest)] if rest else []
 
@@ -87,11 +87,11 @@ class Queries:
         return nll(self._now.probability(Compound("holds", (props, anchor))))
 
     def doubt(self, anchor: str) -> Term:
-        """-ln P(there is such an object)."""
+        """-ln P(the object exists)."""
         return nll(self._now.belief.prob_exists(anchor))
 
     def each(self, props: Compound) -> list[Term]:
-        """(number of properties, property) for each of them."""
+        """(number of properties, property) for each property."""
         return [Compound("", (len(props.args), word)) for word in props.args]
 
     def believed(self, word: str, anchor: str) -> int:
@@ -99,19 +99,19 @@ class Queries:
         return nll(self._now.prob_word(word, anchor))
 
     def quantity(self, word: str) -> list[Term]:
-        """The quantity that a property is about: type, colour or weight."""
+        """The quantity of a property: type, colour or weight."""
         meaning = self._now.meanings.get(word)
         return [] if meaning is None else [meaning.quantity]
 
     def favourable(self, word: str, anchor: str, p: int) -> Term:
         """-ln P(one observation lifts the belief in the property to the bound | the property is true).
 
-        Never dearer than even odds, since an observation that falls short can be repeated.
+        It costs at most even odds, since an observation that falls short can be repeated.
         """
         return nll(max(_REPEATED, self._now.belief.prob_favourable(anchor, self._now.meanings[word], prob(p))))
 
     def band(self, word: str, anchor: str, p: int) -> list[Term]:
-        """(mu, Sigma, Delta) of the quantity so that the property follows; nothing if no observation gets there."""
+        """(mu, Sigma, Delta) of the quantity from which the property follows; empty if the sensor is too weak."""
         meaning = self._now.meanings[word]
         if isinstance(meaning, TypeIs):
             return []
@@ -142,20 +142,20 @@ class Queries:
         return [] if held is None else [held]
 
     def graspable(self, thing: Term) -> Term | list[Term]:
-        """1 if a hand can close on the anchor's most likely type, else 0; nothing for what is not met yet."""
+        """1 if a hand can close on the anchor's most likely type, else 0; empty for an object that is not met yet."""
         return int(self._now.belief.graspable(str(thing))) if thing in self._known else []
 
     def supports(self) -> list[Term]:
-        """Anchors things can be put on: those no hand can hold."""
+        """The anchors that objects can be put on: those that no hand can hold."""
         return [a for a in self._now.anchors() if not self._now.belief.graspable(a)]
 
     def support_of(self, anchor: str) -> list[Term]:
-        """What the anchor rests on, if that is an anchor."""
+        """The support of an anchor, if that is an anchor."""
         support = self._now.belief.support(anchor)
         return [support] if support in self._known else []
 
     def standing_on(self, support: Term) -> list[Term]:
-        """The anchors that rest on another one."""
+        """The anchors that rest on a support."""
         occupied, on = self._rests_on
         if support not in occupied:
             return []
@@ -163,22 +163,22 @@ class Queries:
 
     @cached_property
     def _rests_on(self) -> tuple[frozenset[str | None], tuple[str | None, ...]]:
-        """All that anything rests on, and what each anchor rests on: most things that are asked for carry nothing."""
+        """The set of supports in use, and the support of each anchor; the set answers most questions at once."""
         on = tuple(map(self._now.belief.support, self._now.anchors()))
         return frozenset(on), on
 
     def distance(self, anchor: str) -> Term:
-        """From the base to the anchor, millimetres."""
+        """The distance from the base to the anchor, millimetres."""
         mean = self._now.belief.gaussian("pose", anchor).mean
         return round(1000 * math.hypot(float(mean[0]), float(mean[1])))
 
     def yaw_observable(self, anchor: str) -> Term:
-        """1 if a look tells the object's yaw, 0 if it cannot, as for a cylinder."""
+        """1 if a look measures the object's yaw, else 0, as for a cylinder."""
         sd = math.sqrt(float(self._now.belief.observation_covariance("pose", anchor)[2, 2]))
         return int(sd < math.pi / 4)
 
     def _set_of(self, expression: str, props: Compound) -> tuple[str, ...]:
-        """Return the largest set of properties that suffices and contains `props`."""
+        """Return the largest sufficient set of properties that contains `props`."""
         return max((words for words in self._alternatives[expression] if set(props.args) <= set(words)), key=len)
 
     def _den(self, expression: str, anchor: str) -> float:
@@ -186,11 +186,11 @@ class Queries:
 
 
 def load_rules(extra: Sequence[Path] = (), folder: Path | None = None) -> Rulebook:
-    """Return the rules that ship with the product and those of the user, with `Queries` as their @functions.
+    """Return the rules that ship with the product, with those of the user and with `Queries` as @functions.
 
     Args:
         extra: A user's own rule files.
-        folder: Holds the rule files to be used instead of those that ship; None for those.
+        folder: A folder with the rule files to use instead of those that ship; None for those.
 
     Raises:
         InputError: With every fault in every file.

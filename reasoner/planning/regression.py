@@ -1,8 +1,8 @@
-"""Best-first regression: from a goal backwards to what is believed now.
+"""Best-first regression from a goal backwards to the present belief.
 
 A node is a conjunction of fluents. An expansion takes a fluent that is false now and a rule instance that achieves it,
-removes what the instance's results entail and adds the preconditions it demands at its level. Nothing that holds now is
-dropped on the way, since an earlier step could destroy it. A plan's cost is the sum of -ln p over its steps
+removes the fluents that the instance's results entail and adds the preconditions it demands at its level. A fluent
+that holds now is kept, since an earlier step could destroy it. A plan's cost is the sum of -ln p over its steps
 (section "Basic mechanisms"), so the first node whose fluents all hold gives the most likely open-loop plan.
 
 Equal costs are decided by risk (the plan whose risky steps come early wins), then by length, then by the order in which
@@ -20,25 +20,25 @@ from skolem.reasoner.planning.patterns import Mutexes, entails
 from skolem.reasoner.terms import CAP_MICRONATS, Term, matches
 from skolem.traces.messages import Candidate
 
-_PER_ROOT = 10  # expansions that each root may take at least: of many objects none is left out for lack of them
+_PER_ROOT = 10  # least expansions per root, so that no root is left out if there are many
 
 Subgoal = frozenset[Term]
 
 
 class Offers(Protocol):
-    """Where rule instances and the truth of fluents come from."""
+    """The source of rule instances and of the truth of fluents."""
 
     @property
     def mutexes(self) -> Mutexes:
-        """The exclusions of the rules."""
+        """The mutexes of the rules."""
         ...
 
     def offers(self, fluent: Term) -> tuple[Instance, ...]:
-        """Every instance that achieves the fluent, rejected ones too."""
+        """Every instance that achieves the fluent, rejected ones included."""
         ...
 
     def prepare(self, fluents: Iterable[Term]) -> None:
-        """Take notice that the offers for these fluents will be asked for: together they are found faster."""
+        """Find the offers for these fluents together, which is faster than one by one."""
         ...
 
     def holds(self, fluent: Term) -> bool:
@@ -67,12 +67,12 @@ class Found:
 
     Attributes:
         steps: In execution order; None if there is no plan.
-        cost: Of the plan, micro-nats.
-        bound: What every plan costs at least, micro-nats; equal to `cost` if no plan is likelier than this one.
+        cost: Cost of the plan, micro-nats.
+        bound: A lower bound on the cost of every plan, micro-nats; equal to `cost` if no plan is likelier.
         expansions: Nodes expanded.
-        candidates: What was offered or rejected when the roots were expanded.
+        candidates: The instances offered or rejected when the roots were expanded.
         exhausted: False if the search stopped at its limit of expansions.
-        priced_out: Whether something was left out for its price: another limit might let a plan be found.
+        priced_out: Whether any instance was left out for its cost, so that a higher limit might give a plan.
     """
 
     steps: tuple[Step, ...] | None
@@ -85,7 +85,7 @@ class Found:
 
     @property
     def within(self) -> float | None:
-        """The factor of the cheapest plan's cost that this plan costs at most; 1: optimal; None: nothing is known."""
+        """Upper bound on this plan's cost divided by the cheapest plan's; 1 if optimal, None if unknown."""
         if self.steps is None or self.bound == 0 < self.cost:
             return None
         return 1.0 if self.cost == self.bound else self.cost / self.bound
@@ -106,9 +106,9 @@ def regress(
 ) -> Found:
     """Return the cheapest plan that makes all fluents of one of `roots` true.
 
-    Steps achieve fluents that are false now; only if there is no such plan, or if the optimum is asked for, steps that
-    achieve again what an earlier one destroyed are tried too. Without them a plan may miss the optimum; by how much at
-    most is told by `Found.within`.
+    Steps achieve fluents that are false now. Only if there is no such plan, or with `optimal`, steps are tried too that
+    restore a fluent which an earlier step destroyed. Without them a plan may miss the optimum; `Found.within` bounds by
+    how much.
 
     Args:
         roots: Conjunctions of ground fluents, best first where costs are equal.
@@ -116,9 +116,9 @@ def regress(
         level_of: The abstraction level at which an instance is to be used.
         refused: Whether an instance at a level has failed to be refined or executed in this belief.
         max_expansions: Nodes to expand before giving up; with very many roots, ten for each.
-        max_cost: Plans dearer than this are not worth trying, micro-nats.
+        max_cost: Greatest cost of a plan that is worth trying, micro-nats.
         final: The operation the plan must end with; None for any.
-        optimal: Whether no plan at all may be cheaper, at the price of more expansions.
+        optimal: Whether the plan must be the cheapest of all, at the price of more expansions.
     """
     found = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=optimal)
     if found.steps is None and found.exhausted and not optimal:
@@ -137,12 +137,12 @@ def search(
     final: Term | None,
     again: bool,
 ) -> Found:
-    """Return the cheapest plan as `regress` does; `again` says whether fluents that hold now may be achieved again.
+    """Return the cheapest plan as `regress` does; with `again`, steps may achieve fluents that hold now.
 
     Optimality. Nodes leave the queue in the order of their cost plus a heuristic that is 0 everywhere. That is
-    admissible: no step costs less than nothing, so that what is still to be paid is never overestimated. (More is not
-    known of all rules: a step may achieve by the way, at any price, a fluent that it was not offered for.) So the first
-    node whose fluents all hold is the cheapest plan of those that were searched.
+    admissible: no cost is negative, so that the remaining cost is never overestimated. (No better bound holds for all
+    rules: a step may also achieve a fluent that it was not offered for, at any cost.) So the first node whose fluents
+    all hold is the cheapest of the plans that were searched.
 
     The bound. A plan that was not searched has, seen from the goal, a first step that achieves again what holds. If the
     node at which it does so was expanded, the step was passed over there, and the plan costs at least as much as this
@@ -150,7 +150,7 @@ def search(
     """
     serial = itertools.count()
     priced_out = False
-    left_out = max_cost + 1  # the least cost at which a step that achieves again what holds was passed over
+    left_out = max_cost + 1  # the least cost of a skipped step that achieves only fluents that hold
     queue: list[_Entry] = [(0, 0, 0, next(serial), root, ()) for root in roots]
     considered: dict[str, Candidate] = {}
     seen: set[Subgoal] = set()
@@ -196,10 +196,10 @@ def _sorted(considered: dict[str, Candidate]) -> tuple[Candidate, ...]:
 
 
 def _achievers(open_fluents: Sequence[Term], goal: Subgoal, offers: Offers) -> list[tuple[Instance, bool]]:
-    """Return the instances to expand, cheapest first, and whether each achieves nothing but what holds already.
+    """Return the instances to expand, cheapest first, and whether each achieves only fluents that hold already.
 
-    If those of one open fluent are immediate, only they are returned: what an inference needs and gives does not change
-    with its place in the plan, so that it may as well be the last step.
+    If those of one open fluent are immediate, only they are returned: the preconditions and results of an inference do
+    not change with its position in the plan, so that it may as well be the last step.
     """
     offers.prepare(open_fluents)
     for fluent in open_fluents:
@@ -217,7 +217,7 @@ def _achievers(open_fluents: Sequence[Term], goal: Subgoal, offers: Offers) -> l
 
 
 def _regressed(instance: Instance, level: int, goal: Subgoal, mutexes: Mutexes) -> tuple[Subgoal, str | None]:
-    """Return what must hold before the instance so that `goal` holds after it, or why there is no such thing."""
+    """Return the pre-image of `goal` under an instance and None, or `goal` and the reason why there is none."""
     if instance.rejected:
         return goal, instance.rejected[0]
     if level > 0 and instance.on_placeholder:
@@ -241,7 +241,7 @@ def _regressed(instance: Instance, level: int, goal: Subgoal, mutexes: Mutexes) 
 
 
 def _joined(rest: Iterable[Term], demanded: Iterable[Term]) -> Subgoal:
-    """Return the conjunction without fluents that another one entails."""
+    """Return the conjunction of both without fluents that another one entails."""
     joined: list[Term] = []
     for fluent in [*rest, *demanded]:
         if not any(entails(f, fluent) for f in joined):

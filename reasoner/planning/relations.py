@@ -1,4 +1,4 @@
-"""What is wrong with a goal that can be read: relations of things that nothing can tell, bounds out of any reach."""
+"""Faults of a goal that is well formed: relations that cannot be evaluated, and bounds that no belief can reach."""
 
 from collections.abc import Iterator
 
@@ -20,7 +20,7 @@ from skolem.reasoner.rulebook.vocabulary import Vocabulary
 
 
 def misused(goal: Goal, vocabulary: Vocabulary) -> list[str]:
-    """Return what is wrong with relations of a goal that is well formed and has known words only."""
+    """Return a text for each wrong relation of a goal that is well formed and has known words only."""
     comparing = {word_of(word) for word in vocabulary.exceeds}
     alone = [each.phi for each in goal.conjuncts if isinstance(each, Believed) and isinstance(each.phi, Atom)]
     faults = [
@@ -34,11 +34,11 @@ def misused(goal: Goal, vocabulary: Vocabulary) -> list[str]:
 
 
 def too_sure(goal: Goal, most: float) -> list[str]:
-    """Return which bounds are out of reach, whatever is found out.
+    """Return a text for each conjunct whose bound no belief can reach.
 
     Args:
-        goal: Is well formed.
-        most: How sure one ever is that an object exists.
+        goal: A well-formed goal.
+        most: Greatest probability with which any object is believed to exist.
     """
     needing = [
         each
@@ -62,7 +62,7 @@ def _atoms(expression: Expression) -> Iterator[Atom]:
 
 
 def _wrong(atom: Atom, compares: bool) -> str:
-    """Return what is wrong with the arguments of a relation; nothing if they are of the kinds that it takes."""
+    """Return a text for wrong arguments of a relation; empty if they are of the right kinds."""
     last, *_ = reversed(atom.args)
     if any(isinstance(each, Number) for each in atom.args[:-1]):
         return f"{atom}: {atom.word} is of an object first"

@@ -1,4 +1,4 @@
-"""Which fluents hold now: the one place where terms of the rules meet the belief and the geometry.
+"""The truth of fluents now: here alone, terms of the rules meet the belief and the geometry.
 
 A `Situation` is one version of the belief; every answer is kept for as long as that version lasts.
 """
@@ -16,7 +16,7 @@ from skolem.traces.messages import HANDS, SENSING_HAND, Hand, Meaning, Quantity
 _ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
 QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")
 Denotation = Callable[[str, str], float]  # (expression constant, anchor) -> P(Den)
-Stranger = Callable[[str, str], float]  # (expression constant, region) -> P(an arbitrary object there is what is meant)
+Stranger = Callable[[str, str], float]  # (expression constant, region) -> P(an arbitrary object there is denoted)
 
 
 class Situation:
@@ -25,7 +25,7 @@ class Situation:
     Attributes:
         belief: The belief.
         meanings: What the words mean.
-        fruitless_here: Commands that were in vain from where the robot stands: from here they are not to be repeated.
+        fruitless_here: Commands that failed from where the robot stands and are not to be repeated from here.
     """
 
     def __init__(
@@ -58,14 +58,14 @@ class Situation:
         return self._holds[fluent]
 
     def probability(self, phi: Term) -> float:
-        """Return P(phi) for what a `b(phi, p)` is about."""
+        """Return P(phi) for the phi of a fluent `b(phi, p)`."""
         if phi not in self._probability:
             self._probability[phi] = self._probability_of(phi)
         return self._probability[phi]
 
     @property
     def geometry(self) -> Geometry:
-        """What answers geometric questions.
+        """The source of answers to geometric questions.
 
         Raises:
             InternalError: If there is none: a goal was only to be evaluated.
@@ -148,7 +148,7 @@ class Situation:
         return self.belief.prob_property(anchor, self.meanings[word])
 
     def blockers(self, activity: Term) -> tuple[str, ...]:
-        """Return what stands in the way of an activity; nothing does while its object is in a hand."""
+        """Return the anchors that block an activity; there are none while its object is in a hand."""
         wanted = self.activity(activity)
         if wanted is None or self.hand_of(wanted.anchor) is not None:
             return ()
@@ -159,7 +159,7 @@ class Situation:
         return next((hand for hand in HANDS if self.belief.held(hand) == anchor), None)
 
     def objection(self, executes: Term) -> tuple[Term, str] | None:
-        """Return what a command lacks that no planning can give it as things are held, and the same in words."""
+        """Return the missing fluent that makes a command impossible now, with a message; None if none is missing."""
         match executes:
             case Compound("weigh", (str(anchor),)) if self.hand_of(anchor) not in (None, SENSING_HAND):
                 lacking = compound("held", SENSING_HAND, anchor)
@@ -171,7 +171,7 @@ class Situation:
         return None
 
     def activity(self, term: Term) -> Activity | None:
-        """Return what a term such as `pick(right, o)` asks of the geometry; None if it cannot be as things are.
+        """Return the activity of a term such as `pick(right, o)`; None if it is impossible with the present hands.
 
         Raises:
             InternalError: If there is no such activity.
