@@ -2,7 +2,8 @@
 #
 #   make demo    install, then run the first scenario
 #   make test    install, then run the tests
-#   make check   formatter, linter, types, tests, and a wheel in an empty environment: what a change must pass
+#   make check   formatter, linter, types, tests, a wheel in an empty environment, docs: what a change must pass
+#   make docs    the reference of public names, from their docstrings, into out/site
 #   make bench   measure reasoner and estimator beside their peers, into docs/benchmarks.md (about a quarter of an hour)
 #   make setup   install only
 #   make lock    choose the newest versions of all dependencies anew
@@ -24,7 +25,7 @@ SEED := 0
 WORKERS ?= 2
 TRACE := out/$(basename $(notdir $(SCENARIO)))-$(SEED).mcap
 
-.PHONY: help setup demo test check lint wheel bench lock clean
+.PHONY: help setup demo test check lint wheel docs bench lock clean
 
 help:
 	@sed -n '3,$${/^#/!q;s/^# \{0,1\}//p}' Makefile
@@ -58,7 +59,7 @@ demo: setup
 test: setup
 	$(BIN)/python -m pytest -q -n $(WORKERS)
 
-check: lint test wheel
+check: lint test wheel docs
 
 lint: setup
 	$(BIN)/ruff format --check .
@@ -68,12 +69,15 @@ lint: setup
 wheel: setup
 	.ci/check-wheel $(BIN)/python $(SCENARIO)
 
+docs: setup
+	$(BIN)/python -m mkdocs build --quiet
+
 bench: setup
 	$(BIN)/python -m benchmarks
 
 lock: $(VENV)/bin/python
 	@$(PIP) install uv
-	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --extra dev --extra bench \
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --extra dev --extra bench --extra docs \
 		--no-header --no-annotate --no-emit-index-url --no-emit-find-links --upgrade pyproject.toml -o requirements.lock
 
 clean:
