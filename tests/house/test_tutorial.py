@@ -63,7 +63,7 @@ def test_the_robot_sees_what_is_shiny_feels_what_is_full_and_brings_the_can_that
     pick = next(action for action in actions if action.command.kind == "pick")
     said = CliRunner().invoke(explain.app, [str(trace.path), "--step", str(pick.step)]).stdout
     [line] = [i for i, rule in enumerate(RULES.read_text().splitlines(), 1) if rule.startswith("cost(S, slippery")]
-    assert f"cost: slippery, p = 0.800  [full_and_shiny.lp:{line}]" in said
+    assert f"goes well with p = 0.800; the risk: slippery  [full_and_shiny.lp:{line}]" in said
 
 
 @pytest.mark.parametrize("seed", range(4))

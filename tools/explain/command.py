@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from skolem.tools.words.options import Raw
 from skolem.tools.words.printable import printable
+from skolem.tools.words.terminal import say
 from skolem.traces.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from skolem.tools.explain.explaining import Explanation
     from skolem.tools.explain.text import Tree
+    from skolem.traces.wording.wording import Wording
 
 PARTED = (
     "the actions and plans below are the robot's, beliefs and reasons are what this version thinks, not what the robot "
@@ -32,6 +35,7 @@ def explain(
     why_not: Annotated[
         str | None, typer.Option("--why-not", metavar="ANCHOR", help="Only what speaks for and against this object.")
     ] = None,
+    raw: Raw = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
@@ -43,19 +47,24 @@ def explain(
     Exit status: 0 explained, 2 there is no such decision or object, 3 the trace cannot be read.
     """
     from skolem.tools.explain.explaining import explained
+    from skolem.tools.recorded.rules import rulebook_of
+    from skolem.traces import Trace
+    from skolem.traces.wording.of_run import wording_of
 
     found = explained(trace, step)
+    run = Trace(trace)
+    words = wording_of(run, rulebook_of(run.attachments).vocabulary.meanings, raw)
     if found.parts is not None and not json:
-        print(f"this version thinks otherwise from step {found.parts} on: {PARTED}\n")
+        say([f"this version thinks otherwise from step {found.parts} on: {PARTED}", ""])
     if why_not is not None:
-        _print_object(found, why_not, json)
+        _print_object(found, why_not, json, words)
     elif json:
         print(json_format.dumps(asdict(found)))
     else:
-        _print_all(found)
+        _print_all(found, words)
 
 
-def _print_object(found: "Explanation", name: str, json: bool) -> None:
+def _print_object(found: "Explanation", name: str, json: bool, words: "Wording") -> None:
     from skolem.tools.explain.text import choice_tree
 
     options = {} if found.choice is None else {option.object: option for option in found.choice.options}
@@ -66,22 +75,23 @@ def _print_object(found: "Explanation", name: str, json: bool) -> None:
     if json:
         print(json_format.dumps(asdict(options[name])))
     else:
-        _print(choice_tree(replace(found.choice, options=(options[name],))))
+        _print(choice_tree(replace(found.choice, options=(options[name],)), words))
 
 
-def _print_all(found: "Explanation") -> None:
+def _print_all(found: "Explanation", words: "Wording") -> None:
     from skolem.tools.explain.text import action_tree, choice_tree, drop_tree, end_tree
 
-    print(f"goal: {printable(found.goal)}\nstep {found.step}: {printable(found.action or 'no action')}")
-    trees = [] if found.choice is None else [choice_tree(found.choice)]
-    trees += [action_tree(found.action, found.layers)] if found.layers else []
-    trees += [drop_tree(found.drops)] if found.drops else []
-    trees += [] if found.ending is None else [end_tree(found.ending)]
+    action = words.operation(found.action) if found.action else "no action"
+    say([f"goal: {found.goal}", f"step {found.step}: {action}"])
+    trees = [] if found.choice is None else [choice_tree(found.choice, words)]
+    trees += [action_tree(found.action, found.layers, words)] if found.layers else []
+    trees += [drop_tree(found.drops, words)] if found.drops else []
+    trees += [] if found.ending is None else [end_tree(found.ending, words)]
     for tree in trees:
         print()
         _print(tree)
     for note in found.notes:
-        print(f"\nnote: {printable(note)}")
+        say(["", f"note: {words.sentence(note)}"])
 
 
 def _print(tree: "Tree") -> None:

@@ -153,10 +153,12 @@ def _object_changes(before: ObjectBelief, after: ObjectBelief) -> Iterator[str]:
 
 
 def _hsv(known: ObjectBelief) -> str:
-    sds = ", ".join(f"{math.sqrt(v):.2f}" for v in known.colour.variance)
-    return f"({', '.join(f'{x:.2f}' for x in known.colour.mean)}) sd ({sds})"
+    """Return a colour in degrees of hue and percent of saturation and value, each with its standard deviation."""
+    units = ((360.0, "degrees"), (100.0, "%"), (100.0, "%"))
+    each = zip(("hue", "saturation", "value"), known.colour.mean, known.colour.variance, units, strict=True)
+    return ", ".join(f"{n} {u * x:.0f} {unit} (sd {u * math.sqrt(v):.0f})" for n, x, v, (u, unit) in each)
 
 
 def _grams(known: ObjectBelief) -> str:
     mean, variance = known.log_weight
-    return f"{1000 * math.exp(mean):.0f} g (factor {math.exp(math.sqrt(variance)):.2f})"
+    return f"{1000 * math.exp(mean):.0f} g (within a factor of {math.exp(math.sqrt(variance)):.2f})"

@@ -17,8 +17,7 @@ from skolem.tools.explain.plans import planned
 from skolem.tools.explain.refusals import Refusal, ruled_out
 from skolem.tools.recorded.geometry import NotRecordedError
 from skolem.tools.recorded.run import RecordedStep
-from skolem.traces.messages import Decision, Memory, Plan, RunEnd
-from skolem.traces.messages.fluents import readable
+from skolem.traces.messages import Decision, Memory, Plan, RunEnd, RunStatus
 
 DOUBTFUL = 0.5
 LOWEST_BOUND = 0.01  # what is believed less than this is not worth asking for
@@ -50,7 +49,7 @@ class Ending:
         remedies: What stood in the way, nearest to the goal first.
     """
 
-    status: str
+    status: RunStatus
     reason: str
     remedies: tuple[Remedy, ...]
 
@@ -84,7 +83,7 @@ def _short_of_the_goal(choice: Choice, end: RunEnd) -> Iterator[Remedy]:
         if _is_met_otherwise(each, choice):
             continue
         if each.holds is False and each.probability is not None and each.wanted is not None:
-            finding = f"the goal asks for {readable(each.fluent)}; its closest object has p = {each.probability:.3f}"
+            finding = f"the goal asks for {each.fluent}; its closest object has p = {each.probability:.3f}"
             lower = f"a bound of at most {_below(each.probability):g}, or " if each.probability >= LOWEST_BOUND else ""
             yield Remedy("goal", finding, f"{lower}evidence that raises p")
 
@@ -115,14 +114,14 @@ def _properties(insight: Insight, choice: Choice, anchor: str | None) -> Iterato
         lacking.add(least)
         if each[nearest][least] < DOUBTFUL:
             finding += f" (meant by {text})" if len(goal.expressions) > 1 else ""
-            yield Remedy("property", finding, f"an object that is {least} besides would have to be known or found")
+            yield Remedy("property", finding, f"an object that is also {least}, known or found")
         for name, conjuncts in each.items():
             has[name] |= conjuncts
     for word in sorted({word for conjuncts in has.values() for word in conjuncts} - lacking):
         p, name = max((conjuncts[word], name) for name, conjuncts in has.items() if word in conjuncts)
         if p < DOUBTFUL:
             finding = f"of {scope} {name} is the likeliest to be {word}, with p = {p:.3g}"
-            yield Remedy("property", finding, f"an object that is {word} would have to be known or found")
+            yield Remedy("property", finding, f"an object that is {word}, known or found")
 
 
 def _nearest(insight: Insight, conjuncts: Mapping[str, Mapping[str, float]], scope: str) -> tuple[str, str]:

@@ -20,6 +20,8 @@ from skolem.tools.recorded.rethinking import Given
 from skolem.tools.recorded.run import RecordedRun, RecordedStep
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import Decision, Memory, Plan, PlanStep, Quantity, RememberedStep
+from skolem.traces.wording import amounts
+from skolem.traces.wording.recorded import Recorded
 
 PLANNED = ("start", "refine")  # causes of the plans that a search found
 
@@ -197,9 +199,20 @@ def truth(insight: Insight, fluent: Term) -> Truth:
 def _gaussian(insight: Insight, quantity: str, anchor: str) -> str:
     names: dict[str, Quantity] = {"pose": "pose", "colour": "colour", "weight": "weight"}
     known = insight.belief.gaussian(names[quantity], anchor)
-    mean = ", ".join(f"{1000 * float(x):.0f}" for x in known.mean)
-    sd = ", ".join(f"{1000 * float(x) ** 0.5:.0f}" for x in known.covariance.diagonal())
-    return f"mean ({mean}), sd ({sd}) thousandths, p(exists) {known.probability:.3f}"
+    mean, sd = (_thousandths(values) for values in (known.mean, known.covariance.diagonal() ** 0.5))
+    match quantity:
+        case "pose":
+            told = f"{amounts.pose_place(mean)}, known within {amounts.pose_spread(sd)}"
+        case "colour":
+            told = f"{amounts.colour_place(mean, {})}, known within {amounts.colour_spread(sd)}"
+        case _:
+            told = f"{amounts.weight(mean[0])}, known within {amounts.weight_spread(sd[0])}"
+    return f"it is {told}; it exists with p = {known.probability:.3f}"
+
+
+def _thousandths(values: Iterable[float]) -> list[Recorded]:
+    """Return numbers as terms have them."""
+    return [Recorded(str(round(1000 * float(value)))) for value in values]
 
 
 def mentioned(term: Term) -> set[str]:

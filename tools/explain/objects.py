@@ -171,7 +171,7 @@ def _no_plan(insight: Insight, name: Term, offered: list[Subgoal], plans: list[F
     if isinstance(name, Compound):
         known = insight.belief.regions()
         return "no region that could hold it is left to search" if known else "no region is known that could hold it"
-    return "no plan, however unlikely"
+    return "there is no plan for it, however unlikely"
 
 
 def _not_offered(insight: Insight, name: Term) -> str:

@@ -64,4 +64,7 @@ def beaten(insight: Insight, plan: Found, rival: Rival) -> str:
         return f"its best plan has p = {p}, but {said}"
     if plan.cost < rival.cost:
         return f"its best plan has p = {p}, the chosen one only p = {prob(rival.cost):.3g}; the search did not find it"
-    return "its plan is as good; what is risky comes later in the chosen one, or it comes first in the belief"
+    rule = (
+        "of equally likely plans the one is taken whose risks come later, then the one about the object known earlier"
+    )
+    return f"its plan is as good; {rule}"

@@ -10,7 +10,6 @@ from skolem.reasoner.terms import Term, nll, parse_term
 from skolem.tools.explain.insight import Insight
 from skolem.tools.recorded.geometry import NotRecordedError
 from skolem.traces.messages import Memory, Plan, PlanStep
-from skolem.traces.messages.fluents import readable
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +94,7 @@ class Refused:
     def why(self, insight: Insight, refusal: Refusal) -> str:
         """Return why a step was refused at the decision of `insight`."""
         if refusal.lacking:
-            return f"it needs {', '.join(map(readable, refusal.lacking))}"
+            return f"it needs {', '.join(refusal.lacking)}"
         if not refusal.chosen:
             return "the object not met yet turned out to be one with which it cannot be done"
         if _is_detailed(refusal):

@@ -22,9 +22,7 @@ from skolem.tools.loop.worlds import World, WorldStart
 from skolem.traces import TraceWriter, messages
 from skolem.traces.file.environment import environment
 from skolem.traces.file.made_of import RULES, SCENARIO
-from skolem.traces.messages import Action, ActionResult, Observation, RunEnd
-
-DROPPED = frozenset({"preimage_lost", "refused"})  # causes for which plans are given up
+from skolem.traces.messages import DROPPED, Action, ActionResult, Observation, RunEnd
 
 
 class Watcher(Protocol):

@@ -10,7 +10,7 @@ import typer
 
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.faults import fault_rows
-from skolem.tools.words.options import World
+from skolem.tools.words.options import Raw, World
 from skolem.traces.errors import InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -45,6 +45,7 @@ def run(
         bool, typer.Option("--profile", help="Record wall times too; they differ from run to run.")
     ] = False,
     view: Annotated[bool, typer.Option("--view", help="Show the run in a window while it goes on.")] = False,
+    raw: Raw = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")] = False,
 ) -> None:
     """Run a scenario and record it as a trace.
@@ -67,7 +68,7 @@ def run(
             print(warning, file=sys.stderr)
         trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")
         with watched(trace) if view else nullcontext() as partial:
-            status = running.execute(setup, trace, watch, json, quiet, partial)
+            status = running.execute(setup, trace, watch, json, quiet, partial, raw)
         raise typer.Exit(status)
     except InputError as error:
         if json:

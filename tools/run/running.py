@@ -9,10 +9,12 @@ from typing import IO
 from skolem.tools.loop.session import Outcome, run
 from skolem.tools.loop.setup import Setup
 from skolem.tools.loop.stopwatch import PARTS, Stopwatch
-from skolem.tools.words.live import watcher_for
+from skolem.tools.words.live import watcher_for, wording_for
+from skolem.tools.words.terminal import say
 from skolem.traces.errors import InputError, SkolemError, UnwrittenError
 from skolem.traces.file.writer import partial_of
 from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
+from skolem.traces.wording.wording import Wording
 
 EXIT: dict[RunStatus, int] = {
     "goal_achieved": 0,
@@ -30,8 +32,9 @@ def execute(
     json: bool,
     quiet: bool,
     partial: IO[bytes] | None = None,
+    raw: bool = False,
 ) -> int:
-    """Run, print what came of it, and return the exit status; `partial` as in `run`.
+    """Run, print what came of it, and return the exit status; `partial` as in `run`, and `raw` shows terms as recorded.
 
     Raises:
         InputError: If the trace cannot be begun.
@@ -40,7 +43,7 @@ def execute(
     outcome = Outcome()
     status: RunStatus = "error"
     reason, unwritten = "", None
-    with watcher_for(setup, quiet) as watcher:
+    with watcher_for(setup, quiet, raw) as watcher:
         try:
             run(setup, trace, watcher, watch, outcome, partial)
             assert outcome.end is not None, "a run that raises nothing has an end"
@@ -59,7 +62,7 @@ def execute(
         fields = summary(setup, outcome, status, reason, trace)
         print(json_format.dumps({**fields, "trace": fields["trace"] if outcome.content_hash else None}))
     elif unwritten is None:
-        print(verdict_text(setup, outcome, status, reason, trace))
+        say(verdict_lines(outcome, status, reason, trace, wording_for(setup, raw)))
     if unwritten is not None:
         raise unwritten
     return EXIT[status]
@@ -92,7 +95,7 @@ def summary(setup: Setup, outcome: Outcome, status: RunStatus, reason: str, trac
     }
 
 
-def verdict_text(setup: Setup, outcome: Outcome, status: RunStatus, reason: str, trace: Path) -> str:
+def verdict_lines(outcome: Outcome, status: RunStatus, reason: str, trace: Path, words: Wording) -> list[str]:
     """Return what the robot believes, what is true, and where the trace lies, if one was written."""
     counts = (
         f"{outcome.actions} actions, {outcome.replans} replans, "
@@ -103,7 +106,7 @@ def verdict_text(setup: Setup, outcome: Outcome, status: RunStatus, reason: str,
         lines.append(f"{'interrupted' if status == 'interrupted' else f'internal error: {reason}'}; {counts}")
     else:
         about = f"{outcome.end.anchor or 'no object'}, p = {outcome.end.goal_probability:.3f}"
-        said = "goal believed achieved" if status == "goal_achieved" else f"goal not achieved: {reason}"
+        said = "goal believed achieved" if status == "goal_achieved" else f"goal not achieved: {words.sentence(reason)}"
         best = about if status == "goal_achieved" else f"best candidate {about}"
         lines.append(f"{said}; {best}; {counts}")
         if status != "goal_achieved":
@@ -113,7 +116,7 @@ def verdict_text(setup: Setup, outcome: Outcome, status: RunStatus, reason: str,
         lines.append(f"true in the simulator: {'yes' + witness if outcome.verdict.true else 'no'}")
     if outcome.content_hash:
         lines.append(f"trace: {trace} (content {outcome.content_hash[:12]})")
-    return "\n".join(lines)
+    return "\n".join(lines).splitlines()
 
 
 def explanation(end: RunEnd) -> list[str]:

@@ -8,10 +8,11 @@ from typing import Annotated
 import typer
 
 from skolem.tools.words.optimality import optimality_of_all
-from skolem.tools.words.printable import printable
+from skolem.tools.words.terminal import say
 from skolem.tools.words.trace_account import Account, account
 from skolem.traces import Trace
 from skolem.traces.messages import CLASS_OF
+from skolem.traces.wording.of_run import wording_of
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -29,7 +30,10 @@ def info(
     """
     run = Trace(trace)
     found = account(run)
-    print(json_format.dumps(_fields(run, found)) if json else "\n".join(map(printable, _lines(run, found))))
+    if json:
+        print(json_format.dumps(_fields(run, found)))
+    else:
+        say(_lines(run, found), hanging=len("environment  "))
 
 
 def _fields(run: Trace, found: Account) -> dict[str, object]:
@@ -75,11 +79,11 @@ def _fields(run: Trace, found: Account) -> dict[str, object]:
 
 def _lines(run: Trace, found: Account) -> Iterator[str]:
     """Yield what a person wants to know of a trace."""
-    start, end = found.start, found.end
+    start, end, words = found.start, found.end, wording_of(run)
     if start is not None:
         yield f"goal         {start.goal}"
         yield f"scenario     {start.scenario}, seed {start.seed}, {start.world} world"
-    yield f"status       {'the run has no end: killed or cut off' if end is None else f'{end.status}: {end.reason}'}"
+    yield f"status       {'the run has no end: killed or cut off' if end is None else words.end(end)}"
     if end is not None and end.anchor is not None:
         yield f"believed     {end.anchor}, p = {end.goal_probability:.3f}"
     if found.verdict is not None:
@@ -88,7 +92,8 @@ def _lines(run: Trace, found: Account) -> Iterator[str]:
     yield f"steps        {found.steps}, {found.simulated_s:.1f} s simulated"
     yield f"executed     {_counts(found.executed)}"
     yield f"planned      {_counts(found.planned)}"
-    yield f"replans      {found.replans}; plan stack: {_counts(found.causes)}"
+    yield f"replans      {found.replans}"
+    yield f"plan stack   {_counts({words.cause(cause): count for cause, count in found.causes.items()})}"
     yield f"reasoning    {found.searches} searches, {found.clingo_calls} rule calls"
     yield f"plans        {optimality_of_all(found.within)}"
     yield f"content      {found.hashes.content}"

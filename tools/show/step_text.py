@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from skolem.tools.recorded.rules import rulebook_of
 from skolem.tools.words.belief_table import COLUMNS, belief_rows, object_cells, probability, table_lines
 from skolem.tools.words.optimality import optimality
-from skolem.tools.words.plan_tree import DROPPED, drop_line, plan_lines
+from skolem.tools.words.plan_tree import drop_line, plan_lines
 from skolem.traces import Trace
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import (
+    DROPPED,
     TICKS_PER_SECOND,
     Action,
     ActionResult,
@@ -24,12 +25,12 @@ from skolem.traces.messages import (
     Plan,
     RunEnd,
 )
-from skolem.traces.messages.fluents import readable
 from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.wording.wording import Wording
 
 TOPICS = ("/belief", "/denotation", "/plan", "/decision", "/action", "/action/result", "/obs", "/run/end")
 CANDIDATES = 12  # shown of one search, cheapest first
-HISTORY_COLUMNS = ("step", "after", "exists", *COLUMNS[1:], "identity")
+HISTORY_COLUMNS = ("step", "exists", *COLUMNS[1:], "after", "identity")
 
 
 @dataclass(slots=True)
@@ -110,21 +111,21 @@ def moment(trace: Trace, step: int) -> Moment:
     return found
 
 
-def moment_lines(found: Moment, meanings: Mapping[str, Meaning]) -> list[str]:
-    """Return a decision as lines of text."""
+def moment_lines(found: Moment, meanings: Mapping[str, Meaning], words: Wording) -> list[str]:
+    """Return a decision as lines of text, colours by the meanings of colour words."""
     assert found.belief is not None, "`moment` has found one"
     lines = [f"step {found.step}, {found.tick / TICKS_PER_SECOND:.2f} s simulated", ""]
     lines += table_lines(COLUMNS, belief_rows(found.belief, meanings))
     lines += [f"identity: {identity_text(change)}" for change in found.identity]
-    lines += [*_doubts(found.belief), *_regions(found.belief), *_meant(found.denotation)]
+    lines += [*_doubts(found.belief), *_regions(found.belief), *_meant(found.denotation, words)]
     if any(plan.cause in DROPPED for plan in found.plans):
-        lines += ["", *(drop_line(plan) for plan in found.plans if plan.cause in DROPPED)]
+        lines += ["", *(drop_line(plan, words) for plan in found.plans if plan.cause in DROPPED)]
     if found.stack is not None and found.stack.layers:
         lines += ["", "plan stack (the chosen step of each layer in angle brackets)"]
-        lines += [f"  {line}" for line in plan_lines(found.stack)]
+        lines += [f"  {line}" for line in plan_lines(found.stack, words)]
     for decision in found.decisions:
-        lines += ["", *_search(decision)]
-    return [*lines, "", *_outcome(found)]
+        lines += ["", *_search(decision, words)]
+    return [*lines, "", *_outcome(found, words)]
 
 
 def identity_text(change: IdentityChange) -> str:
@@ -144,39 +145,42 @@ def _regions(belief: Belief) -> list[str]:
     return [f"contents known: {', '.join(known)}"] if known else []
 
 
-def _meant(denotation: Denotation | None) -> Iterator[str]:
+def _meant(denotation: Denotation | None, words: Wording) -> Iterator[str]:
     for description, table in ({} if denotation is None else denotation.probability).items():
         ranked = sorted(table.items(), key=lambda item: (-item[1], item[0]))
-        yield f"P(Den) of {description}: {', '.join(f'{anchor} {p:.3f}' for anchor, p in ranked) or 'nobody'}"
+        yield f"{words.meant(description)}: {', '.join(f'{anchor} {p:.3f}' for anchor, p in ranked) or 'nobody'}"
 
 
-def _search(decision: Decision) -> Iterator[str]:
+def _search(decision: Decision, words: Wording) -> Iterator[str]:
     """Yield what was asked, what was found, and the candidates of the first expansion."""
-    yield f"search for {' & '.join(map(readable, decision.subgoal))}"
+    yield f"a plan was sought for {words.aim(decision.subgoal)}"
     if decision.plan:
         p = math.exp(-decision.cost / 1e6)
-        yield f"  p = {p:.3f}, {optimality(decision.within)}: {' ; '.join(decision.plan)}"
+        yield f"  p = {p:.3f}, {optimality(decision.within)}: {' ; '.join(map(words.operation, decision.plan))}"
     else:
         yield "  no plan"
     calls = f"{decision.clingo_calls} rule call{'' if decision.clingo_calls == 1 else 's'}"
     expansions = f"{decision.expansions} expansion{'' if decision.expansions == 1 else 's'}"
     yield f"  {expansions}, {calls}, {decision.ground_atoms} ground atoms"
-    width = max((len(candidate.op) for candidate in decision.candidates[:CANDIDATES]), default=0)
-    for candidate in decision.candidates[:CANDIDATES]:
-        said = "offered" if candidate.rejected is None else f"rejected: {candidate.rejected.replace('_', ' ')}"
-        yield f"  p {math.exp(-candidate.cost / 1e6):.3f}  {candidate.op.ljust(width)}  {said}"
+    steps = [(words.operation(candidate.op), candidate) for candidate in decision.candidates[:CANDIDATES]]
+    width = max((len(op) for op, _ in steps), default=0)
+    yield "  steps that the rules know for it:" if steps else "  the rules know no step for it"
+    for op, candidate in steps:
+        said = "possible" if candidate.rejected is None else f"not possible: {words.refusal(candidate.rejected)}"
+        yield f"  p {math.exp(-candidate.cost / 1e6):.3f}  {op.ljust(width)}  {said}"
     if len(decision.candidates) > CANDIDATES:
         yield f"  and {len(decision.candidates) - CANDIDATES} more (all with --json)"
 
 
-def _outcome(found: Moment) -> Iterator[str]:
+def _outcome(found: Moment, words: Wording) -> Iterator[str]:
     """Yield what was done and what came of it, or how the run ended."""
     if found.action is not None:
-        yield f"did: {found.action.op}" + ("" if found.result is None else f" -> {found.result.status}")
+        status = "" if found.result is None else f" -> {found.result.status.replace('_', ' ')}"
+        yield f"did: {words.operation(found.action.op)}{status}"
     if found.observation is not None:
         yield from _sensed(found.observation)
     if found.end is not None:
-        yield f"{found.end.status}: {found.end.reason}"
+        yield words.end(found.end)
 
 
 def _sensed(observation: Observation) -> Iterator[str]:
@@ -221,7 +225,7 @@ def moment_fields(found: Moment, meanings: Mapping[str, Meaning]) -> dict[str, o
 def history(trace: Trace, anchor: str, meanings: Mapping[str, Meaning]) -> list[tuple[str, ...]]:
     """Return an object's rows, one per decision at which it is believed in, or at which it turned out to be another.
 
-    A row is the step, what was done before, the cells, and what turned out since the row before about who is who.
+    A row is the step, the cells, what was done before, and what turned out since the row before about who is who.
 
     Raises:
         InputError: If no belief of the run has an object of that name.
@@ -239,7 +243,7 @@ def history(trace: Trace, anchor: str, meanings: Mapping[str, Meaning]) -> list[
             item = message.objects.get(anchor)
             if item is not None or changes:
                 cells = ("",) * 5 if item is None else (probability(item.exists), *object_cells(item, meanings))
-                rows.append((str(message.step), did, *cells, "; ".join(map(identity_text, changes))))
+                rows.append((str(message.step), *cells, did, "; ".join(map(identity_text, changes))))
     if not rows:
         raise InputError([Fault("--object", 0, 0, f"no belief has {anchor!r}; there are: {', '.join(sorted(known))}")])
     return rows

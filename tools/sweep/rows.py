@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from skolem.tools.loop.session import DROPPED
 from skolem.tools.loop.stopwatch import PARTS
 from skolem.traces import Trace
 from skolem.traces.errors import TraceError
 from skolem.traces.messages import (
+    DROPPED,
     TICKS_PER_SECOND,
     Action,
     ActionResult,

@@ -1,3 +1,3 @@
-"""Beliefs, plans and runs as text for people. May import: loop."""
+"""Beliefs, plans and runs as text for people. May import: loop, traces.wording."""
 
 __all__ = ()

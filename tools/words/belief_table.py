@@ -38,12 +38,12 @@ def size_of(sd: float, bounds: tuple[float, float]) -> str:
 
 
 def colour_name(colour: HsvBelief, meanings: Mapping[str, Meaning]) -> str:
-    """Return the first colour word, by alphabet, whose volume contains the mean, or the mean itself."""
+    """Return the first colour word, by alphabet, whose volume contains the mean, or the mean in degrees and percent."""
     h, s, v = colour.mean
     for word, meaning in sorted(meanings.items()):
         if isinstance(meaning, HsvVolume) and meaning.contains((h % 1.0, s, v)):
             return word
-    return f"hsv {h % 1.0:.2f} {s:.2f} {v:.2f}"
+    return f"hsv {360.0 * (h % 1.0):.0f} {100.0 * s:.0f}% {100.0 * v:.0f}%"
 
 
 def probability(p: float) -> str:

@@ -6,12 +6,14 @@ The picture has the paper's belief table, the plan stack, and how far the run ha
 import colorsys
 import errno
 import math
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
 from rich.markup import escape
@@ -20,11 +22,11 @@ from rich.table import Table
 from rich.text import Text
 
 from skolem.reasoner import Turn
-from skolem.tools.loop.session import DROPPED
 from skolem.tools.loop.setup import Setup
 from skolem.tools.words.belief_table import COLUMNS, belief_rows
 from skolem.tools.words.plan_tree import plan_lines
 from skolem.traces.messages import (
+    DROPPED,
     TICKS_PER_SECOND,
     Action,
     ActionResult,
@@ -35,19 +37,24 @@ from skolem.traces.messages import (
     Observation,
     Plan,
 )
-from skolem.traces.messages.fluents import readable
+from skolem.traces.wording.of_run import wording
+from skolem.traces.wording.wording import AS_RECORDED, Wording
 
 UNSURE = 0.5  # anchors less likely to exist are shown dim
-WIDTH = 100
+WIDEST = 100  # a table is never wider, however wide the terminal is
+LEAST_ROWS = 3  # of the belief table, however low the terminal is
+_FRAME_LINES = 4  # of a table at least: title, heads and the lines around them
 
 
-def drop_text(plans: list[Plan]) -> str:
+def wording_for(setup: Setup, raw: bool) -> Wording:
+    """Return how to put a run that is to be made into words, or how to show it as it is recorded."""
+    vocabulary = setup.rulebook.vocabulary
+    return wording(setup.scenario.goal, vocabulary.types, vocabulary.meanings, raw)
+
+
+def drop_text(plans: list[Plan], words: Wording) -> str:
     """Return why plans were dropped in a turn, or nothing."""
-    dropped = [plan for plan in plans if plan.cause in DROPPED]
-    if not dropped:
-        return ""
-    first = dropped[0]
-    return f"{first.cause.replace('_', ' ')}: {', '.join(map(readable, first.false_fluents)) or 'no step applies'}"
+    return next((words.drop(plan) for plan in plans if plan.cause in DROPPED), "")
 
 
 def observed_text(observation: Observation) -> str:
@@ -73,8 +80,13 @@ def terminal_may_go() -> Iterator[None]:
 class Lines:
     """One line on standard error per executed action."""
 
-    def __init__(self) -> None:
-        """Nothing has been seen yet."""
+    def __init__(self, words: Wording = AS_RECORDED) -> None:
+        """Nothing has been seen yet.
+
+        Args:
+            words: How operations and fluents are said.
+        """
+        self._words = words
         self._dropped = ""
 
     def __enter__(self) -> Self:
@@ -90,14 +102,15 @@ class Lines:
 
     def decided(self, turn: Turn) -> None:
         """Remember why plans were dropped, for the line of the action that follows."""
-        self._dropped = drop_text(turn.plans)
+        self._dropped = drop_text(turn.plans, self._words)
 
     def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
         """Print the action and what came of it."""
-        parts = [f"step {action.step:2d}  {action.op} -> {result.status}", observed_text(observation)]
+        done = f"{self._words.operation(action.op)} -> {result.status.replace('_', ' ')}"
+        parts = [f"step {action.step:2d}  {done}", observed_text(observation)]
         line = ", ".join(part for part in parts if part)
         with terminal_may_go():
-            print(line + (f"  [after {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
+            print(line + (f"  [new plan: {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
 
 
 class Silence(Lines):
@@ -110,15 +123,16 @@ class Silence(Lines):
 class Picture(Lines):
     """A live picture on a terminal."""
 
-    def __init__(self, setup: Setup, console: Console) -> None:
+    def __init__(self, setup: Setup, console: Console, words: Wording) -> None:
         """Prepare an empty picture.
 
         Args:
             setup: Gives goal, limits and the names of colours.
             console: The terminal.
+            words: How operations and fluents are said.
         """
-        super().__init__()
-        self._setup = setup
+        super().__init__(words)
+        self._setup, self._console = setup, console
         self._meanings = setup.rulebook.vocabulary.meanings
         self._belief: Belief | None = None
         self._plan: Plan | None = None
@@ -151,15 +165,16 @@ class Picture(Lines):
         self._plan = turn.plans[-1] if turn.plans else self._plan
         self._decision = turn.decisions[-1] if turn.decisions else self._decision
         if turn.action is not None:
-            self._now = f"executing {turn.action.op}"
+            self._now = f"now: {self._words.operation(turn.action.op)}"
         elif turn.end is not None:
-            self._now = turn.end.reason
+            self._now = self._words.end(turn.end)
         self._draw()
 
     def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
         """Show what became of the action."""
         said = observed_text(observation)
-        self._now = f"{action.op} {result.status}{', ' + said if said else ''}"
+        done = f"{self._words.operation(action.op)} -> {result.status.replace('_', ' ')}"
+        self._now = f"{done}{', ' + said if said else ''}"
         self._draw()
 
     def _draw(self) -> None:
@@ -167,43 +182,87 @@ class Picture(Lines):
             self._live.update(self.picture(), refresh=True)
 
     def picture(self) -> RenderableType:
-        """Return the whole picture as it stands."""
-        parts: list[RenderableType] = [Text(f"goal  {self._setup.scenario.goal}", style="bold")]
-        if self._belief is not None:
-            parts.append(belief_table(self._belief, self._meanings))
+        """Return the whole picture as it stands; it fits the terminal."""
+        below: list[RenderableType] = []
         if self._plan is not None and self._plan.layers:
-            parts.append(Text("plan stack", style="bold"))
-            parts += [Text.from_markup(_marked(line), overflow="ellipsis") for line in plan_lines(self._plan)]
+            below.append(Text("plan stack, from the goal down to the next step", style="bold"))
+            below += [_in_one_line(_marked(line)) for line in plan_lines(self._plan, self._words)]
         if self._dropped:
-            parts.append(Text(f"dropped plans: {self._dropped}", style="yellow", overflow="ellipsis"))
-        parts.append(self._progress())
-        return Group(*parts)
+            below.append(Text(f"new plan: {self._dropped}", style="yellow"))
+        below.append(self._progress())
+        goal = Text(f"goal  {self._setup.scenario.goal}", style="bold")
+        if self._belief is None:
+            return Group(goal, *below)
+        room = self._console.height - 1 - sum(map(self._height, (goal, *below)))
+        return Group(goal, self._table(self._belief, room), *below)
+
+    def _table(self, belief: Belief, room: int) -> Table:
+        """Return the belief as a table of at most `room` lines, if that is enough for the least number of rows."""
+        width = min(self._console.width, WIDEST)
+        rows = max(LEAST_ROWS, min(len(belief.anchors), room - _FRAME_LINES))
+        table = belief_table(belief, self._meanings, width, rows, self._steps())
+        while rows > LEAST_ROWS and self._height(table) > room:  # a cell may take several lines
+            rows -= 1
+            table = belief_table(belief, self._meanings, width, rows, self._steps())
+        return table
+
+    def _height(self, part: RenderableType) -> int:
+        return len(self._console.render_lines(part, pad=False))
+
+    def _steps(self) -> str:
+        """Return all steps of the plan stack: objects that they speak of are shown before others."""
+        return " ".join(step.op for layer in (self._plan.layers if self._plan else ()) for step in layer)
 
     def _progress(self) -> RenderableType:
-        """Return the step, the bar towards the limit of steps, what is going on, and the present plan's probability."""
+        """Return what is going on; below, the step, the bar towards the limit of steps, and how likely the plan is."""
         step, limit = (self._belief.step if self._belief else 0), self._setup.scenario.limits.steps
         grid = Table.grid(padding=(0, 1))
         chance = "" if self._decision is None or not self._decision.plan else _probability(self._decision)
         grid.add_row(
             f"step {step} of at most {limit}",
             ProgressBar(total=limit, completed=step, width=16),
-            Text(self._now, overflow="ellipsis"),
-            chance,
             f"{self._tick / TICKS_PER_SECOND:.1f} s simulated",
+            chance,
         )
-        return grid
+        return Group(Text(self._now), grid)
 
 
-def belief_table(belief: Belief, meanings: Mapping[str, Meaning]) -> Table:
-    """Return the belief as a table."""
-    table = Table(*COLUMNS, width=WIDTH, title=f"belief at step {belief.step}", title_justify="left")
-    for row in belief_rows(belief, meanings):
+def belief_table(belief: Belief, meanings: Mapping[str, Meaning], width: int, most: int, first: str) -> Table:
+    """Return the belief as a table.
+
+    Args:
+        belief: What to show.
+        meanings: What the words mean.
+        width: Columns that it may fill.
+        most: How many rows it may have below its heads; the last one says how many objects are left out.
+        first: A text; the objects that it names are shown before others.
+    """
+    table = Table(*COLUMNS, title=f"belief at step {belief.step}", title_justify="left", box=SIMPLE_HEAD, width=width)
+    rows = belief_rows(belief, meanings)
+    kept = rows if len(rows) <= most else _most_wanted(rows, most - 1, first)
+    for row in kept:
         known = belief.objects[row[0]]
         cells: list[RenderableType] = [*row]
         if known.colour_seen:
             cells[3] = _swatch(row[3], known.colour)
         table.add_row(*cells, style="dim" if known.exists < UNSURE else None)
+    if len(kept) < len(rows):
+        table.add_row(f"({len(rows) - len(kept)} more)", style="dim")
     return table
+
+
+def _most_wanted(rows: list[tuple[str, ...]], most: int, first: str) -> list[tuple[str, ...]]:
+    """Return some rows, in their order: those of objects that a text names, then those that come first."""
+    named = set(re.findall(r"\w+", first))
+    kept = sorted(range(len(rows)), key=lambda i: (rows[i][0] not in named, i))[:most]
+    return [rows[i] for i in sorted(kept)]
+
+
+def _in_one_line(markup: str) -> Text:
+    """Return a line that ends with an ellipsis where the terminal does."""
+    text = Text.from_markup(markup, overflow="ellipsis")
+    text.no_wrap = True
+    return text
 
 
 def _swatch(text: str, colour: HsvBelief) -> Text:
@@ -226,9 +285,9 @@ def _probability(decision: Decision) -> str:
     return f"plan p = {math.exp(-decision.cost / 1e6):.3f}"
 
 
-def watcher_for(setup: Setup, quiet: bool) -> "Lines":
+def watcher_for(setup: Setup, quiet: bool, raw: bool = False) -> "Lines":
     """Return who watches: nobody, a picture on a terminal, or lines."""
     if quiet:
         return Silence()
-    console = Console(stderr=True)
-    return Picture(setup, console) if console.is_terminal else Lines()
+    console, words = Console(stderr=True), wording_for(setup, raw)
+    return Picture(setup, console, words) if console.is_terminal else Lines(words)

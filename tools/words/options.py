@@ -21,3 +21,5 @@ World = Annotated[
         "without them; or one that an installed package brings.",
     ),
 ]
+
+Raw = Annotated[bool, typer.Option("--raw", help="Show fluents and operations as they are recorded, not in words.")]

@@ -1,58 +1,71 @@
 """Plans as text: of a whole run as a tree of plans, refinements and what was done; of one moment as a stack."""
 
 from collections.abc import Iterable, Iterator
-from itertools import groupby
 
-from skolem.traces.messages import Action, Plan, PlanStep
-from skolem.traces.messages.fluents import readable
+from skolem.traces.messages import DROPPED, Action, Plan, PlanStep
+from skolem.traces.wording.wording import Wording
 
 _PLANNED = ("start", "refine")
-DROPPED = ("preimage_lost", "refused")  # causes for which plans are given up
+LEGEND = (
+    "An indented plan works out one step of the plan above it; at `level 2 of 2` a step is worked out in full. A step "
+    "in [brackets] is a conclusion, no action."
+)
 
 
-def tree_lines(plans: Iterable[Plan], actions: Iterable[Action]) -> list[str]:
+def tree_lines(plans: Iterable[Plan], actions: Iterable[Action], words: Wording) -> list[str]:
     """Return one line per plan, executed action and drop, in order, indented by the layer of the plan stack.
 
-    A plan's row is `[subgoal]` and its steps: `-op->` for an inference, `op @level/concrete` for what is carried out.
-    An executed action is `(op)`.
+    As recorded, a plan's row is `[subgoal]` and its steps: `-op->` for an inference, `op @level/concrete` for what is
+    carried out; an executed action is `(op)`. In words a row says what is what.
     """
     merged: list[Plan | Action] = sorted([*plans, *actions], key=lambda item: (item.step, isinstance(item, Action)))
     lines: list[str] = []
     depth = 0
     for item in merged:
         if isinstance(item, Action):
-            lines.append(f"{'  ' * depth}({item.op})")
+            op = words.operation(item.op)
+            lines.append(f"{'  ' * depth}{f'done: {op}' if words.in_words else f'({op})'}")
             continue
         if item.cause in _PLANNED:
-            lines.append(_row(item))
+            lines.append(_row(item, words))
         elif item.cause in DROPPED:
-            lines.append(f"{'  ' * len(item.layers)}{drop_line(item)}")
+            lines.append(f"{'  ' * len(item.layers)}{drop_line(item, words)}")
         depth = len(item.layers)
     return lines
 
 
-def _row(plan: Plan) -> str:
+def _row(plan: Plan, words: Wording) -> str:
     """Return the row of the plan that was made last: the lowest layer."""
     layer = plan.layers[-1]
-    goal = " & ".join(readable(fluent) for fluent in layer[-1].subgoal)
-    return f"{'  ' * (len(plan.layers) - 1)}[{goal}] {' ; '.join(_steps(layer))}"
+    indent, aim = "  " * (len(plan.layers) - 1), words.aim(layer[-1].subgoal)
+    if words.in_words:
+        return f"{indent}plan for {aim}: {'; '.join(_said(layer, words))}"
+    return f"{indent}[{aim}] {' ; '.join(_steps(layer))}"
+
+
+def _said(layer: Iterable[PlanStep], words: Wording) -> Iterator[str]:
+    for step in layer:
+        op = words.operation(step.op)
+        yield f"{op} (level {step.level} of {step.concrete})" if step.primitive else f"[{op}]"
 
 
 def _steps(layer: Iterable[PlanStep]) -> Iterator[str]:
-    for primitive, steps in groupby(layer, key=lambda step: step.primitive):
-        for step in steps:
-            yield f"{step.op} @{step.level}/{step.concrete}" if primitive else f"-{step.op}->"
+    for step in layer:
+        yield f"{step.op} @{step.level}/{step.concrete}" if step.primitive else f"-{step.op}->"
 
 
-def drop_line(plan: Plan) -> str:
+def drop_line(plan: Plan, words: Wording) -> str:
     """Return why a plan was given up."""
-    false = ", ".join(map(readable, plan.false_fluents))
-    return f"dropped, no longer so: {false}" if plan.cause == "preimage_lost" else f"cannot be done here: {false}"
+    return f"plan dropped: {words.drop(plan)}" if words.in_words else f"dropped: {words.drop(plan)}"
 
 
-def plan_lines(plan: Plan) -> list[str]:
+def plan_lines(plan: Plan, words: Wording) -> list[str]:
     """Return the plan stack, a line per layer, the chosen step of each in angle brackets."""
+    between = "; " if words.in_words else "  "
     return [
-        f"{'  ' * depth}" + "  ".join(f"<{step.op}>" if i == chosen else step.op for i, step in enumerate(layer))
-        for depth, (layer, chosen) in enumerate(zip(plan.layers, plan.current, strict=True))
+        f"{'  ' * depth}" + between.join(f"<{op}>" if i == chosen else op for i, op in enumerate(ops))
+        for depth, (ops, chosen) in enumerate(
+            ([words.operation(step.op) for step in layer], chosen)
+            for layer, chosen in zip(plan.layers, plan.current, strict=True)
+        )
     ]

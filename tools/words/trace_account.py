@@ -4,12 +4,21 @@ import re
 from collections import Counter
 from dataclasses import dataclass, field
 
-from skolem.tools.words.plan_tree import DROPPED
 from skolem.traces import Trace
 from skolem.traces.file.clock import time_ns
 from skolem.traces.file.codec import ContentHash
 from skolem.traces.file.reader import Recorded
-from skolem.traces.messages import TICKS_PER_SECOND, Action, Decision, Plan, RunEnd, RunStart, Verdict
+from skolem.traces.messages import (
+    DROPPED,
+    TICKS_PER_SECOND,
+    Action,
+    Decision,
+    Plan,
+    PlanCause,
+    RunEnd,
+    RunStart,
+    Verdict,
+)
 
 COUNTED = ("/run/start", "/plan", "/decision", "/action", "/run/end", "/truth/verdict")
 OPERATOR = re.compile(r"\w+")
@@ -42,7 +51,7 @@ class Account:
     verdict: Verdict | None = None
     steps: int = 0
     replans: int = 0
-    causes: Counter[str] = field(default_factory=Counter)
+    causes: Counter[PlanCause] = field(default_factory=Counter)
     executed: Counter[str] = field(default_factory=Counter)
     planned: Counter[str] = field(default_factory=Counter)
     searches: int = 0

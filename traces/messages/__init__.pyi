@@ -40,6 +40,7 @@ from .prior import (
     PriorRegion as PriorRegion,
 )
 from .reasoning import (
+    DROPPED as DROPPED,
     Candidate as Candidate,
     Decision as Decision,
     Denotation as Denotation,

@@ -1,6 +1,6 @@
 """Plans, decisions, and what the reasoner asked and remembers."""
 
-from typing import Literal
+from typing import Final, Literal
 
 from pydantic import Field
 
@@ -31,6 +31,7 @@ PlanCause = Literal[
     "done",
     "giveup",
 ]
+DROPPED: Final[tuple[PlanCause, ...]] = ("preimage_lost", "refused")  # causes for which plans are given up
 
 
 class Plan(Message):

@@ -61,6 +61,11 @@ def colour_place(mean: Sequence[Recorded], colours: Mapping[str, HsvVolume]) -> 
     return f"hue {turn:.0f} degrees, saturation {100.0 * saturation:.0f} %, value {100.0 * value:.0f} %"
 
 
+def weight(log_kg: Recorded) -> str:
+    """Return a weight."""
+    return _weight((log_kg.number or 0) / 1000.0)
+
+
 def weight_spread(sd: Recorded) -> str:
     """Return how well a weight is known: in percent, or as a factor if that is much."""
     spread = (sd.number or 0) / 1000.0

@@ -1,6 +1,6 @@
-"""The wording that fits a recorded run: its goal and its types are asked of the trace, colour words of its rules."""
+"""The wording that fits a run: what is known of its goal, its types of things and the colour words of its rules."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import HsvVolume, Meaning, Prior, RunStart
@@ -8,16 +8,20 @@ from skolem.traces.wording.things import Things
 from skolem.traces.wording.wording import AS_RECORDED, InWords, Wording
 
 
-def wording_of(trace: Trace, raw: bool = False, meanings: Mapping[str, Meaning] | None = None) -> Wording:
+def wording(goal: str, types: Iterable[str], meanings: Mapping[str, Meaning], raw: bool = False) -> Wording:
     """Return how to put a run into words.
 
     Args:
-        trace: The run.
-        raw: Whether terms are to be shown as they are recorded.
+        goal: As the run states it.
+        types: The words that name a type of things.
         meanings: What the words of its rules mean, if that is known; without them colours are given in numbers.
+        raw: Whether terms are to be shown as they are recorded.
     """
-    if raw:
-        return AS_RECORDED
+    colours = {word: meaning for word, meaning in meanings.items() if isinstance(meaning, HsvVolume)}
+    return AS_RECORDED if raw else InWords(Things(goal, frozenset(types), colours))
+
+
+def wording_of(trace: Trace, meanings: Mapping[str, Meaning] | None = None, raw: bool = False) -> Wording:
+    """Return how to put a recorded run into words; arguments as of `wording`."""
     start, prior = next(iter(trace.of(RunStart)), None), next(iter(trace.of(Prior)), None)
-    colours = {word: meaning for word, meaning in (meanings or {}).items() if isinstance(meaning, HsvVolume)}
-    return InWords(Things("" if start is None else start.goal, frozenset(prior.types if prior else ()), colours))
+    return wording("" if start is None else start.goal, prior.types if prior else (), meanings or {}, raw)

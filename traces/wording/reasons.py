@@ -11,9 +11,9 @@ CAUSES: Final[Mapping[PlanCause, str]] = {
     "refine": "step planned in more detail",
     "skipped_forward": "went on to a later step",
     "fell_back": "went back to an earlier step",
-    "preimage_lost": "plan dropped: what it needs is no longer believed",
-    "bind_skolem": "object to be found was found",
-    "refused": "plan dropped: it cannot be carried out",
+    "preimage_lost": "plan dropped as what it needs is no longer so",
+    "bind_skolem": "object to be found turned out to be a known one",
+    "refused": "plan dropped as it cannot be carried out",
     "done": "goal achieved",
     "giveup": "given up",
 }

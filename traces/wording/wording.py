@@ -5,16 +5,19 @@ A fluent such as `b(den(e1,sodaE),105361)` reads `P(sodaE is the green thing) >=
 their own: these read as they are recorded. Nothing that is recorded changes: words are made when text is shown.
 """
 
+import re
 from collections.abc import Iterable
 from typing import Final
 
-from skolem.traces.messages import Plan, PlanCause, RunEnd
+from skolem.traces.messages import Plan, PlanCause, RunEnd, RunStatus
 from skolem.traces.wording import activities, fluents
 from skolem.traces.wording.reasons import CAUSES, REFUSALS, RISKS, STATUSES, in_words
 from skolem.traces.wording.recorded import Recorded, read, within
 from skolem.traces.wording.things import Things
 
-DROPPED: Final[tuple[PlanCause, ...]] = ("preimage_lost", "refused")  # causes for which plans are given up
+_VARIABLE: Final = re.compile(r"(?<!sk\()\bvar\((\w+)\)")
+_CODE: Final = re.compile(r": ([a-z]+(?:_[a-z]+)+)(?= \[)")  # why a rule refuses, before the place of the rule
+_OBVIOUS: Final = re.compile(r"krd\(\w+\)")
 
 
 class Wording:
@@ -58,9 +61,13 @@ class Wording:
         """Return what a step costs: what may go wrong, and the probability `p` that it does not."""
         return f"cost: {code}, p = {p:.3f}"
 
+    def ended(self, status: RunStatus, reason: str) -> str:
+        """Return how a run ended, and why."""
+        return f"{status}: {reason}"
+
     def end(self, end: RunEnd) -> str:
-        """Return how a run ended."""
-        return f"{end.status}: {end.reason}"
+        """Return how a run ended, and why."""
+        return self.ended(end.status, end.reason)
 
     def drop(self, plan: Plan) -> str:
         """Return why plans were dropped; `plan` is the change of the stack that says so."""
@@ -82,10 +89,15 @@ class InWords(Wording):
         return text if term is None else fluents.clause(self._things, term)
 
     def aim(self, texts: Iterable[str]) -> str:
-        """Return a conjunction of fluents, said of some object if the goal's variables stand in it."""
+        """Return a conjunction of fluents, said of some object if the goal's variables stand in it.
+
+        That an object with a name is known by name goes without saying.
+        """
         found = tuple(texts)
-        head = "for some object o: " if any("var(o)" in text.replace("sk(var(o))", "") for text in found) else ""
-        return head + " and ".join(map(self.fluent, found))
+        variables = dict.fromkeys(name for text in found for name in _VARIABLE.findall(text))
+        told = [text for text in found if not _OBVIOUS.fullmatch(text)] or found
+        head = f"some object {' and some object '.join(variables)}: " if variables else ""
+        return head + " and ".join(map(self.fluent, told))
 
     def operation(self, text: str) -> str:
         """Return an operation as an infinitive: `look at sodaE`."""
@@ -106,7 +118,7 @@ class InWords(Wording):
         for start, after in within(text):
             parts += [text[end:start], self._term(text[start:after])]
             end = after
-        return "".join([*parts, text[end:]])
+        return _CODE.sub(lambda code: f": {in_words(code[1], REFUSALS)}", "".join([*parts, text[end:]]))
 
     def _term(self, text: str) -> str:
         term = read(text)
@@ -134,9 +146,9 @@ class InWords(Wording):
                 said = in_words(code, RISKS)
         return f"goes well with p = {p:.3f}; the risk: {said}"
 
-    def end(self, end: RunEnd) -> str:
-        """Return how a run ended."""
-        return f"{STATUSES[end.status]}: {self.sentence(end.reason)}"
+    def ended(self, status: RunStatus, reason: str) -> str:
+        """Return how a run ended, and why."""
+        return f"{STATUSES[status]}: {self.sentence(reason)}"
 
     def drop(self, plan: Plan) -> str:
         """Return why plans were dropped: `P(sodaE is the green thing) >= .9 is no longer believed`."""

@@ -3,19 +3,20 @@
 from kit.papers import plans, rehearsed
 
 from skolem.tools.words.plan_tree import tree_lines
+from skolem.traces.wording.wording import AS_RECORDED
 
 
 def tree() -> list[str]:
     """Return the tree of the paper's example."""
     play, _ = rehearsed()
-    return tree_lines(plans(play), [turn.action for turn in play.turns if turn.action is not None])
+    return tree_lines(plans(play), [turn.action for turn in play.turns if turn.action is not None], AS_RECORDED)
 
 
 def test_the_plan_tree_of_the_example_has_one_row_per_plan() -> None:
     """ "Blue boxes contain belief formulas describing goals and subgoals." """
     rows = [line for line in tree() if line.lstrip().startswith("[")]
     assert len(rows) == len(plans(rehearsed()[0], "start", "refine"))
-    assert "B(den(e1,o2), .900)" in rows[0]
+    assert "b(den(e1,o2),105361)" in rows[0]
     assert "-ExamineObj(e1, o2)->" in rows[0]
     assert "Place(o2, desk)" in rows[0]
 

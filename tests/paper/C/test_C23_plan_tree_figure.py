@@ -3,12 +3,13 @@
 from kit.papers import plans, rehearsed
 
 from skolem.tools.words.plan_tree import plan_lines
+from skolem.traces.wording.wording import AS_RECORDED
 
 
 def test_each_row_is_a_plan_at_one_level() -> None:
     """ "Each horizontal row of boxes represents a plan at some hierarchical level of the process." """
     for plan in plans(rehearsed()[0]):
-        lines = plan_lines(plan)
+        lines = plan_lines(plan, AS_RECORDED)
         assert len(lines) == len(plan.layers)
         for depth, (line, layer, chosen) in enumerate(zip(lines, plan.layers, plan.current, strict=True)):
             marked = [f"<{step.op}>" if i == chosen else step.op for i, step in enumerate(layer)]
@@ -19,9 +20,9 @@ def test_the_first_rows_of_the_figure_are_there() -> None:
     """ "The highest-level plan has two abstract steps"; the row below plans for the first subgoal."""
     play, _ = rehearsed()
     first, second = plans(play)[:2]
-    assert plan_lines(first) == ["<ExamineObj(e1, o2)>  Place(o2, desk)"]
-    top, below = plan_lines(second)
-    assert top == plan_lines(first)[0]
+    assert plan_lines(first, AS_RECORDED) == ["<ExamineObj(e1, o2)>  Place(o2, desk)"]
+    top, below = plan_lines(second, AS_RECORDED)
+    assert top == plan_lines(first, AS_RECORDED)[0]
     assert below.endswith("ExamineObj(e1, o2)")
     subgoal = set(second.layers[1][-1].subgoal)
     assert subgoal == set(second.layers[0][0].subgoal)

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from kit.places import ROOT
+from kit.places import GOLDEN, ROOT
 from kit.recordings import recorded, rewritten, unchanged
 from typer.testing import CliRunner
 
@@ -20,9 +20,13 @@ from skolem.tools.explain.explaining import Explanation, explained
 from skolem.tools.explain.text import action_tree, choice_tree, drop_tree, end_tree, lines
 from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
+from skolem.tools.recorded.rules import rulebook_of
+from skolem.tools.show import command as show
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.file.reader import Recorded, Trace
-from skolem.traces.messages import Decision, Denotation, Message, Plan
+from skolem.traces.messages import Belief, Decision, Denotation, Message, Plan
+from skolem.traces.wording.of_run import wording_of
+from skolem.traces.wording.wording import AS_RECORDED
 
 
 @cache
@@ -154,9 +158,9 @@ def test_every_region_where_a_thing_not_met_yet_may_be_is_told_with_its_cost_and
     searched = next(option for option in later.options[0].regions if option.region == first.region)
     assert searched.rejected.startswith("implausible: p = ")
     assert searched.contents > 0.9
-    text = "\n".join(lines(choice_tree(start)))
+    text = "\n".join(lines(choice_tree(start, AS_RECORDED)))
     assert f"in {others[0].region}: its plan is as good" in text
-    assert f"exists in it: e1 {first.exists_in['e1']:.3g} (cost {first.cost / 1e6:.2f} nats)" in text
+    assert f"p = {first.exists_in['e1']:.3g} that e1 is hidden in it (cost {first.cost / 1e6:.2f} nats)" in text
 
 
 def test_a_region_that_known_objects_outdo_says_by_how_much() -> None:
@@ -173,10 +177,10 @@ def test_every_plan_of_the_stack_says_how_near_it_is_to_the_best() -> None:
     found = green(0)
     made = [decision.within for decision in Trace(traced("sim1_green")).of(Decision) if decision.step == 0]
     assert [layer.within for layer in found.layers] == made
-    text = "\n".join(lines(action_tree(found.action, found.layers)))
+    text = "\n".join(lines(action_tree(found.action, found.layers, AS_RECORDED)))
     assert "(optimal)" in text
     unknown = replace(found.layers[0], within=None)
-    assert "(no bound is known)" in "\n".join(lines(action_tree(found.action, [unknown])))
+    assert "(no bound is known)" in "\n".join(lines(action_tree(found.action, [unknown], AS_RECORDED)))
 
 
 OUT_OF_REACH = """
@@ -325,7 +329,7 @@ def test_a_run_that_failed_is_explained_by_what_failed_even_if_it_fails_again(tm
     path = ruled(tmp_path, "cost(S, odd, 1000/G) :- step(S), S = look(O), G = @graspable(O).")
     result = CliRunner().invoke(explain.app, [str(path)])
     assert result.exit_code == 0, result.exception
-    assert "why the run ended: error: InternalError: own.lp:5:14: operation undefined" in result.stdout
+    assert "why the run ended: internal error: InternalError: own.lp:5:14: operation undefined" in result.stdout
     assert "the next action could not be decided" in result.stdout
     assert "note: thought again, it fails" in result.stdout
 
@@ -375,17 +379,38 @@ def test_the_last_decision_of_a_run_that_went_well_names_the_object_that_is_mean
 def test_text_is_a_tree_and_machines_get_the_same_as_data() -> None:
     path, step = traced("sim1_green"), lost_at(traced("sim1_green"))[0]
     text = CliRunner().invoke(explain.app, [str(path), "--step", str(step)]).stdout
-    for heading in ("why this object", "why LookAt", "why plans were dropped"):
+    for heading in ("why this object", "why look at", "why plans were dropped"):
         assert f"\n{heading}" in text
     data = json.loads(CliRunner().invoke(explain.app, [str(path), "--step", str(step), "--json"]).stdout)
     assert (data["step"], data["action"]) == (step, green(step).action)
     assert data["drops"][0]["lost"]
     found = green(step)
     assert found.choice is not None
-    assert all(line in text for line in [*lines(choice_tree(found.choice)), *lines(drop_tree(found.drops))])
+    words = wording_of(Trace(path), rulebook_of(Trace(path).attachments).vocabulary.meanings)
+    trees = choice_tree(found.choice, words), drop_tree(found.drops, words)
+    assert all(line in text for tree in trees for line in lines(tree))
     end = explained(traced("impossible"), None).ending
     assert end is not None
-    assert "would have to change" in "\n".join(lines(end_tree(end)))
+    assert "what would help" in "\n".join(lines(end_tree(end, words)))
+
+
+# a term, a Skolem term, micro-nats, a query
+TERM = re.compile(
+    r"(?<!\w)(?!P\()[A-Za-z_]\w*\(|\bsk\b|(?<![.\d])\d{5,}(?! bytes| points)|@\w+\("
+)  # and micro-nats, queries
+
+
+@pytest.mark.parametrize("name", ["sim1_green", "impossible", "out_of_reach", "occluded"])
+def test_no_text_has_internal_terms_unless_they_are_asked_for(name: str) -> None:
+    path = GOLDEN / f"{name}.mcap"
+    last = max(belief.step for belief in Trace(path).of(Belief))
+    for step, app in ((0, explain.app), (0, show.app), (last, explain.app), (last, show.app)):
+        said = CliRunner().invoke(app, [str(path), "--step", str(step)]).stdout.splitlines()
+        texts = [line.split("  [")[0] for line in said if not line.startswith("goal: ") and "lambda x." not in line]
+        assert texts
+        assert not [line for line in texts if TERM.search(line)]
+    raw = CliRunner().invoke(explain.app, [str(path), "--step", "0", "--raw"]).stdout
+    assert TERM.search(raw.partition("\n")[2])
 
 
 def test_one_object_can_be_asked_about() -> None:

@@ -10,7 +10,7 @@ from skolem.reasoner.agent import Turn
 from skolem.reasoner.planning.goals import Closest
 from skolem.tools.loop.setup import prepare
 from skolem.tools.words.belief_table import belief_rows, size_of
-from skolem.tools.words.live import Lines, Picture, drop_text, watcher_for
+from skolem.tools.words.live import Lines, Picture, drop_text, watcher_for, wording_for
 from skolem.tools.words.plan_tree import plan_lines
 from skolem.traces.messages import (
     Action,
@@ -31,6 +31,8 @@ from skolem.traces.messages import (
     RunEnd,
     Wrench,
 )
+from skolem.traces.wording.things import Things
+from skolem.traces.wording.wording import AS_RECORDED, InWords
 
 NOBODY = Denotation(step=4, probability={})
 ROBOT = RobotState(right_arm=(0.0,) * 7, left_arm=(0.0,) * 7)
@@ -38,6 +40,8 @@ MEANINGS: dict[str, Meaning] = {
     "green": HsvVolume(hue=(0.25, 0.45), saturation=(0.4, 1.0), value=(0.2, 1.0)),
     "red": HsvVolume(hue=(0.95, 0.05), saturation=(0.4, 1.0), value=(0.2, 1.0)),
 }
+
+WORDS = InWords(Things("exists o. B(Den(lambda x. Green(x), o), 0.9)"))
 
 
 def known(**changes: object) -> ObjectBelief:
@@ -72,7 +76,7 @@ PLAN = Plan(
     false_fluents=("b(den(e1,sodaE),105361)",),
     layers=tuple(
         tuple(PlanStep(op=op, level=0, concrete=1, primitive=True, cost=0, subgoal=(), preimage=()) for op in layer)
-        for layer in (("ExamineObj(_o2_)", "Place(_o2_, desk)"), ("LookAt(_o2_)",))
+        for layer in (("ExamineObj(e1, _o2_)", "Place(_o2_, desk)"), ("LookAt(_o2_)",))
     ),
     current=(0, 0),
 )
@@ -108,7 +112,7 @@ def test_probabilities_have_no_leading_zero(share: float, text: str) -> None:
 
 def test_a_colour_without_a_word_is_shown_as_numbers() -> None:
     blue = known(colour_seen=True, colour=HsvBelief(mean=(0.6, 0.9, 0.8), variance=(0.001, 0.01, 0.01)))
-    assert belief_rows(belief(a=blue), MEANINGS)[0][3] == "hsv 0.60 0.90 0.80, low"
+    assert belief_rows(belief(a=blue), MEANINGS)[0][3] == "hsv 216 90% 80%, low"
 
 
 def test_low_is_well_known() -> None:
@@ -116,16 +120,19 @@ def test_low_is_well_known() -> None:
 
 
 def test_the_stack_has_a_line_per_layer_with_the_chosen_step_marked() -> None:
-    assert plan_lines(PLAN) == ["<ExamineObj(_o2_)>  Place(_o2_, desk)", "  <LookAt(_o2_)>"]
+    assert plan_lines(PLAN, AS_RECORDED) == ["<ExamineObj(e1, _o2_)>  Place(_o2_, desk)", "  <LookAt(_o2_)>"]
+    said = ["<find out whether _o2_ is the green thing>; place _o2_ on desk", "  <look at _o2_>"]
+    assert plan_lines(PLAN, WORDS) == said
 
 
 def test_dropped_plans_say_which_fluents_became_false() -> None:
-    assert drop_text([PLAN]) == "preimage lost: B(den(e1,sodaE), .900)"
-    assert drop_text([PLAN.model_copy(update={"cause": "fell_back"})]) == ""
+    assert drop_text([PLAN], WORDS) == "P(sodaE is the green thing) >= .9 is no longer believed"
+    assert drop_text([PLAN], AS_RECORDED) == "preimage_lost: b(den(e1,sodaE),105361)"
+    assert drop_text([PLAN.model_copy(update={"cause": "fell_back"})], WORDS) == ""
 
 
 def test_a_line_per_executed_action_goes_to_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
-    with Lines() as lines:
+    with Lines(WORDS) as lines:
         lines.believed(belief(), 0)
         lines.decided(Turn(Closest(), NOBODY, plans=[PLAN], action=LOOK))
         lines.acted(LOOK, DONE, Observation(step=4, kind="look", detections=(SEEN,)))
@@ -136,39 +143,73 @@ def test_a_line_per_executed_action_goes_to_standard_error(capsys: pytest.Captur
     out, err = capsys.readouterr()
     assert out == ""
     assert err.splitlines() == [
-        "step  4  LookAt(_o2_) -> done, 1 detection  [after preimage lost: B(den(e1,sodaE), .900)]",
-        "step  4  LookAt(_o2_) -> done, no detections",
-        "step  4  LookAt(_o2_) -> done, 3.40 N",
+        "step  4  look at _o2_ -> done, 1 detection  "
+        "[new plan: P(sodaE is the green thing) >= .9 is no longer believed]",
+        "step  4  look at _o2_ -> done, no detections",
+        "step  4  look at _o2_ -> done, 3.40 N",
     ]
+
+
+def console(width: int, height: int) -> Console:
+    return Console(file=io.StringIO(), force_terminal=True, width=width, height=height, color_system="truecolor")
+
+
+def shown(picture: Picture, width: int, height: int) -> str:
+    """Return what a terminal of that size shows."""
+    plain = Console(file=io.StringIO(), width=width, height=height, record=True)
+    plain.print(picture.picture())
+    return plain.export_text()
 
 
 def test_the_picture_on_a_terminal_shows_belief_plans_and_progress() -> None:
     setup = prepare(ROOT / "scenarios" / "sim1_green.yaml", world="symbolic")
-    drawn = io.StringIO()
-    with Picture(setup, Console(file=drawn, force_terminal=True, width=120, color_system="truecolor")) as picture:
+    screen = console(120, 40)
+    with Picture(setup, screen, wording_for(setup, raw=False)) as picture:
         picture.believed(belief(_o2_=known(colour_seen=True), _o3_=known(exists=0.1)), 480)
         picture.decided(Turn(Closest(), NOBODY, plans=[PLAN], decisions=[DECISION], action=LOOK))
         picture.acted(LOOK, DONE, Observation(step=4, kind="look", detections=(SEEN,)))
-        plain = Console(file=io.StringIO(), width=120)
-        with plain.capture() as captured:
-            plain.print(picture.picture())
+        text = shown(picture, 120, 40)
         end = RunEnd(status="goal_achieved", steps=5, reason="every conjunct is believed", goal_probability=0.98)
         picture.decided(Turn(Closest(), NOBODY, end=end))
-    text = captured.get()
     for expected in (
         "goal  exists o.",
         "weight d",
         "_o2_",
         "■ green, low",
-        "ExamineObj(_o2_)  Place(_o2_, desk)",
-        "dropped plans: preimage lost",
+        "find out whether _o2_ is the green thing; place _o2_ on desk",
+        "new plan: P(sodaE is the green thing) >= .9 is no longer believed",
         "step 4 of at most 60",
-        "LookAt(_o2_) done, 1 detection",
+        "look at _o2_ -> done, 1 detection",
         "plan p = 0.900",
         "2.0 s simulated",
     ):
         assert expected in text
-    assert "every conjunct is believed" in drawn.getvalue()
+    assert isinstance(screen.file, io.StringIO)
+    assert "goal believed achieved: every conjunct is believed" in screen.file.getvalue()
+
+
+@pytest.mark.parametrize("number", [6, 40])
+@pytest.mark.parametrize("hue", [0.33, 0.6])
+def test_the_picture_fits_a_terminal_of_80_by_24_with_the_weights_in_view(number: int, hue: float) -> None:
+    setup = prepare(ROOT / "scenarios" / "sim1_green.yaml", world="symbolic")
+    colour = HsvBelief(mean=(hue, 0.9, 0.8), variance=(0.001, 0.01, 0.01))
+    objects = {
+        f"_o{i}_": known(type={"bottle": 1.0}, colour=colour, colour_seen=True, weighed=True) for i in range(number)
+    }
+    layers = (*PLAN.layers, *(PLAN.layers[0],) * 3)
+    deep = PLAN.model_copy(update={"layers": layers, "current": (0,) * len(layers)})
+    with Picture(setup, console(80, 24), wording_for(setup, raw=False)) as picture:
+        picture.believed(belief(**objects), 480)
+        picture.decided(Turn(Closest(), NOBODY, plans=[deep], decisions=[DECISION], action=LOOK))
+        drawn = shown(picture, 80, 24).rstrip("\n").splitlines()
+    assert len(drawn) < 24
+    assert max(map(len, drawn)) <= 80
+    assert any("weight d" in line for line in drawn)
+    [row] = [line for line in drawn if line.split()[:1] == ["_o2_"]]
+    assert row.rstrip().endswith("301 g, high")
+    hidden = [line for line in drawn if line.strip().endswith("more)")]
+    assert len(hidden) == (number > 6)
+    assert "plan p = 0.900" in drawn[-1]
 
 
 def test_without_a_terminal_there_are_lines_and_quiet_is_quiet(capsys: pytest.CaptureFixture[str]) -> None:
