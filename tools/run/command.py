@@ -67,7 +67,7 @@ def run(
         for warning in setup.rulebook.warnings:
             print(warning, file=sys.stderr)
         trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")
-        with watched(trace) if view else nullcontext() as partial:
+        with watched(trace, raw) if view else nullcontext() as partial:
             status = running.execute(setup, trace, watch, json, quiet, partial, raw)
         raise typer.Exit(status)
     except InputError as error:

@@ -19,7 +19,7 @@ NICE: Final = 10
 
 
 @contextmanager
-def watched(trace: Path) -> Iterator[IO[bytes]]:
+def watched(trace: Path, raw: bool = False) -> Iterator[IO[bytes]]:
     """Show the run that the block records to `trace` in a window; the block is given the partial file to write.
 
     After the block the window stays until it is closed or Ctrl-C.
@@ -30,9 +30,10 @@ def watched(trace: Path) -> Iterator[IO[bytes]]:
     if not has_display():
         raise InputError([Fault("--view", 0, 0, NO_DISPLAY)])
     file = begin(trace)  # the viewer holds it open too: so it finds it under whatever name it gets
+    shown = ["--raw"] if raw else []
     try:
         follower = subprocess.Popen(
-            [sys.executable, "-m", "skolem", "view", f"/dev/fd/{file.fileno()}", "--follow"],
+            [sys.executable, "-m", "skolem", "view", f"/dev/fd/{file.fileno()}", "--follow", *shown],
             stdin=subprocess.DEVNULL,
             pass_fds=[file.fileno()],
             preexec_fn=_aside,

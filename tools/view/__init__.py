@@ -1,3 +1,3 @@
-"""The verb `view`: a run in rerun. May import: loop, sim.physics, traces.scene."""
+"""The verb `view`: a run in rerun. May import: loop, words, sim.physics, traces.scene."""
 
 __all__ = ()

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from skolem.tools.words.options import Raw
 from skolem.traces.errors import Fault, InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -25,6 +26,7 @@ def view(
     follow: Annotated[
         bool, typer.Option("--follow", help="Show a run while it is recorded: TRACE is its .partial file.")
     ] = False,
+    raw: Raw = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
@@ -42,7 +44,7 @@ def view(
     from skolem.traces import Trace
 
     if follow:
-        viewing.follow_run(trace)
+        viewing.follow_run(trace, raw)
         return
     run = Trace(trace)
     for out in filter(None, (save, shot)):
@@ -52,7 +54,7 @@ def view(
     faults: list[str] = []
     with tempfile.TemporaryDirectory(prefix="skolem-view-") as folder:
         recording = save or Path(folder, f"{trace.stem}.rrd")
-        viewing.record(run, recording)
+        viewing.record(run, recording, raw)
         if save is not None:
             said["recording"] = str(save)
         elif shot is not None:

@@ -48,14 +48,14 @@ def spare_traces(out: Path, trace: Path) -> None:
         raise InputError([Fault(str(out), 0, 0, "is a trace, and would be lost; give another name")])
 
 
-def record(run: Trace, recording: Path) -> None:
-    """Write a finished run as a rerun recording.
+def record(run: Trace, recording: Path, raw: bool = False) -> None:
+    """Write a finished run as a rerun recording; `raw` shows terms as they are recorded.
 
     Raises:
         InputError: If the file cannot be written.
     """
     try:
-        convert(run, recording, pr2_model())
+        convert(run, recording, pr2_model(), raw)
     except OSError as error:
         raise InputError([Fault(str(recording), 0, 0, f"cannot be written: {error.strerror}")]) from error
 
@@ -77,18 +77,18 @@ def serve(recording: Path) -> None:
             shown.wait()
 
 
-def follow_run(partial: Path) -> None:
+def follow_run(partial: Path, raw: bool = False) -> None:
     """Show a run in a window while it is recorded; the window stays when the run has ended, until it is closed."""
     with viewer.viewer("window") as shown, suppress(KeyboardInterrupt):
-        draw_growing(partial, shown)
+        draw_growing(partial, shown, raw)
         shown.wait()
 
 
-def draw_growing(growing: Path, shown: viewer.Viewer) -> None:
+def draw_growing(growing: Path, shown: viewer.Viewer, raw: bool = False) -> None:
     """Send a trace that is being written to a viewer, step by step, until the run ends or the viewer is closed."""
     stream = rr.RecordingStream(APPLICATION)
     wire = rr.binary_stream(stream)
-    scene = Scene(stream, pr2_model())
+    scene = Scene(stream, pr2_model(), raw)
     for recorded in follow(growing):
         if recorded is not None:
             scene.take(recorded)

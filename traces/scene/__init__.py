@@ -1,3 +1,3 @@
-"""A trace as a recording for rerun: bodies, beliefs, plans and plots. May import: file."""
+"""A trace as a recording for rerun: bodies, beliefs, plans and plots. May import: file, wording."""
 
 __all__ = ()

@@ -38,7 +38,7 @@ def blueprint(pictures: bool, eye: Eye | None, entropy: tuple[float, float] | No
                 rrb.Horizontal(
                     rrb.Spatial2DView(name="Camera and detections", origin=f"/{camera}"),
                     rrb.TimeSeriesView(
-                        name="P(Den): is it what is meant?",
+                        name="P(it is what is meant)",
                         origin="/plots/den",
                         axis_y=rrb.ScalarAxis(range=(-0.08, 1.05)),
                         plot_legend=rrb.Corner2D.LeftTop,

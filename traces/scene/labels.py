@@ -1,7 +1,7 @@
 """Labels in a rerun recording: of believed objects, with a line to each, and of regions; laid out for the first eye.
 
-A label of an object reads `anchor: type p, colour, Den p`. That of a region tells which share of its places could still
-hide a thing, and P(its contents are known): `_reg1_: 0 % unsearched, known .33`.
+A label of an object reads `anchor: type p, colour, meant p`. That of a region tells which share of its places could
+still hide a thing, and P(its contents are known): `_reg1_: 0 % unsearched, known .33`.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -118,7 +118,7 @@ def text_of(anchor: str, known: ObjectBelief, kind: ObjectType, denotation: Deno
     if known.colour_seen:
         parts.append(colour_word(known.colour.mean))
     if denotation is not None:
-        parts += [f"Den {two_digits(table[anchor])}" for table in denotation.probability.values() if anchor in table]
+        parts += [f"meant {two_digits(table[anchor])}" for table in denotation.probability.values() if anchor in table]
     return f"{anchor}: {', '.join(parts)}"
 
 

@@ -4,40 +4,39 @@ import math
 
 import rerun as rr
 
-from skolem.traces.messages import Action, ActionResult, Decision, Observation, Plan, RunEnd, Verdict
-from skolem.traces.messages.fluents import readable
+from skolem.traces.messages import DROPPED, Action, ActionResult, Decision, Observation, Plan, RunEnd, Verdict
 from skolem.traces.scene.rows import Rows, When
-
-_REASONS = {"preimage_lost": "no longer so", "refused": "cannot be done here"}
+from skolem.traces.wording.wording import AS_RECORDED, Wording
 
 
 class Log:
-    """Writes the lines."""
+    """Writes the lines.
+
+    Attributes:
+        words: How operations and fluents are said.
+    """
 
     def __init__(self, rows: Rows) -> None:
         """Begin without lines."""
         self._rows = rows
         self._op = ""
+        self.words: Wording = AS_RECORDED
 
     def decided(self, decision: Decision, when: When) -> None:
         """Tell what a search found."""
-        goal = " & ".join(map(readable, decision.subgoal))
-        if decision.plan:
-            found = f"{' ; '.join(decision.plan)}  p {math.exp(-decision.cost / 1e6):.3f}"
-        else:
-            found = "no plan"
-        self._say(when, "DEBUG", f"[{goal}] {found}  ({decision.expansions} expansions)")
+        steps = "; ".join(map(self.words.operation, decision.plan))
+        found = f"{steps}  (p {math.exp(-decision.cost / 1e6):.3f})" if steps else "none found"
+        self._say(when, "DEBUG", f"plan for {self.words.aim(decision.subgoal)}: {found}")
 
     def planned(self, plan: Plan, when: When) -> None:
         """Tell why plans were dropped."""
-        if plan.cause in _REASONS:
-            false = ", ".join(map(readable, plan.false_fluents)) or "no step applies"
-            self._say(when, "WARN", f"dropped, {_REASONS[plan.cause]}: {false}")
+        if plan.cause in DROPPED:
+            self._say(when, "WARN", f"plan dropped: {self.words.drop(plan)}")
 
     def acted(self, action: Action, when: When) -> None:
         """Tell what is going to be done."""
-        self._op = action.op
-        self._say(when, "INFO", f"{action.step}: {action.op}")
+        self._op = self.words.operation(action.op)
+        self._say(when, "INFO", f"{action.step}: {self._op}")
 
     def resulted(self, result: ActionResult, when: When) -> None:
         """Tell an action that did not get done."""
@@ -56,7 +55,7 @@ class Log:
         """Tell the end."""
         about = f" ({end.anchor}, p {end.goal_probability:.3f})" if end.anchor else ""
         level = "INFO" if end.status == "goal_achieved" else "ERROR"
-        self._say(when, level, f"{end.status.replace('_', ' ')}{about}: {end.reason}")
+        self._say(when, level, f"{self.words.end(end)}{about}")
 
     def judged(self, verdict: Verdict, when: When) -> None:
         """Tell whether the goal holds in the true world."""

@@ -4,14 +4,15 @@ Green: the step that is carried out next. White: the steps it refines. Grey: wha
 among these. Red, below: plans that were dropped in this step, and what was no longer so.
 """
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import rerun as rr
 
-from skolem.traces.messages import Plan, PlanStep
-from skolem.traces.messages.fluents import readable
+from skolem.traces.messages import DROPPED, Plan, PlanStep
 from skolem.traces.scene.rows import Rows, When
+from skolem.traces.wording.wording import Wording
 
 _NEXT, _MARKED, _LATER, _INFERRED, _DROPPED, _LOST = (
     (90, 230, 90),
@@ -22,8 +23,8 @@ _NEXT, _MARKED, _LATER, _INFERRED, _DROPPED, _LOST = (
     (170, 95, 90),
 )
 _LETTER, _MARGIN, _GAP, _ROW = 6.6, 18.0, 14.0, 62.0  # in the units of the view, points at its natural size
-_REASONS = {"preimage_lost": "dropped", "refused": "cannot be done here"}
-_MOST_REASONS = 3
+_LONGEST, _LONGEST_REASON = 24, 40  # letters of a line in a box
+_MOST_LINES = 6  # of a reason
 Rgb = tuple[int, int, int]
 
 
@@ -33,7 +34,7 @@ class Node:
 
     Attributes:
         id: Unique in the tree.
-        label: One line or two.
+        label: A few lines.
         colour: Of box and text.
         parent: The node it hangs on; empty: none.
     """
@@ -52,9 +53,15 @@ class Node:
 class Plans:
     """Draws the plan stack whenever it changes."""
 
-    def __init__(self, rows: Rows, goal: str) -> None:
-        """Begin with the goal alone."""
-        self._rows, self._goal = rows, goal
+    def __init__(self, rows: Rows, goal: str, words: Wording) -> None:
+        """Begin with the goal alone.
+
+        Args:
+            rows: Take what is drawn.
+            goal: Of the run.
+            words: How operations and fluents are said.
+        """
+        self._rows, self._goal, self._words = rows, goal, words
         self._layers: tuple[tuple[PlanStep, ...], ...] = ()
         self._current: tuple[int, ...] = ()
         self._dropped: list[list[Node]] = []
@@ -67,7 +74,7 @@ class Plans:
 
     def changed(self, plan: Plan, when: When) -> None:
         """Draw the stack as it is now."""
-        if plan.cause in _REASONS and len(plan.layers) < len(self._layers):
+        if plan.cause in DROPPED and len(plan.layers) < len(self._layers):
             self._dropped.append(self._what_was_dropped(plan))
         self._layers, self._current = plan.layers, plan.current
         self._draw(when)
@@ -75,16 +82,19 @@ class Plans:
     def _what_was_dropped(self, plan: Plan) -> list[Node]:
         """Return the reason and the uppermost dropped plan as a row of nodes."""
         kept, number = len(plan.layers), len(self._dropped)
-        false = [readable(fluent) for fluent in plan.false_fluents]
-        more = [f"and {len(false) - _MOST_REASONS} more"] if len(false) > _MOST_REASONS else []
-        reason = "\n".join([_REASONS[plan.cause] + ":", *false[:_MOST_REASONS], *more])
+        told = textwrap.wrap(self._words.drop(plan), _LONGEST_REASON, break_long_words=False)
+        more = [".."] if len(told) > _MOST_LINES else []
+        reason = "\n".join(["dropped:", *told[:_MOST_LINES], *more])
         below = len(self._layers) - kept - 1
-        steps = [Node(f"x{number}.{i}", two_lines(step.op), _LOST) for i, step in enumerate(self._layers[kept])]
+        steps = [
+            Node(f"x{number}.{i}", in_lines(self._words.operation(step.op)), _LOST)
+            for i, step in enumerate(self._layers[kept])
+        ]
         rest = [Node(f"x{number}.rest", f"and what\nrefined it ({below})", _LOST)] if below else []
         return [Node(f"x{number}", reason, _DROPPED), *steps, *rest]
 
     def _draw(self, when: When) -> None:
-        rows = [*tree(self._goal, self._layers, self._current), *self._dropped]
+        rows = [*tree(self._goal, self._layers, self._current, self._words), *self._dropped]
         nodes = [node for row in rows for node in row]
         self._rows.add(
             "plan",
@@ -100,7 +110,7 @@ class Plans:
         )
 
 
-def tree(goal: str, layers: Sequence[Sequence[PlanStep]], current: Sequence[int]) -> list[list[Node]]:
+def tree(goal: str, layers: Sequence[Sequence[PlanStep]], current: Sequence[int], words: Wording) -> list[list[Node]]:
     """Return the rows of the tree, the goal first; each row hangs on the marked step of the row above."""
     rows = [[Node("goal", goal, _MARKED)]]
     parent = "goal"
@@ -111,7 +121,7 @@ def tree(goal: str, layers: Sequence[Sequence[PlanStep]], current: Sequence[int]
             colour = _INFERRED if not step.primitive else _LATER
             if i == chosen:
                 colour = _NEXT if last else _MARKED
-            row.append(Node(f"{depth}.{i}", two_lines(step.op), colour, parent))
+            row.append(Node(f"{depth}.{i}", in_lines(words.operation(step.op)), colour, parent))
         rows.append(row)
         parent = f"{depth}.{chosen}"
     return rows
@@ -130,7 +140,6 @@ def positions(rows: Sequence[Sequence[Node]]) -> list[tuple[float, float]]:
     return found
 
 
-def two_lines(op: str) -> str:
-    """Return an operator with its arguments on a line of their own: half as wide."""
-    name, bracket, arguments = op.partition("(")
-    return f"{name}\n{bracket}{arguments}" if bracket else op
+def in_lines(text: str) -> str:
+    """Return a text in short lines, broken between words."""
+    return "\n".join(textwrap.wrap(text, _LONGEST, break_long_words=False, break_on_hyphens=False))

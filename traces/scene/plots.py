@@ -8,6 +8,7 @@ import rerun as rr
 
 from skolem.traces.messages import Belief, Denotation, ObjectBelief
 from skolem.traces.scene.rows import Rows, When
+from skolem.traces.wording.wording import AS_RECORDED, Wording
 
 _HELD = rr.components.InterpolationMode.StepAfter  # a value holds until the next decision
 _SHOWN = 1e-3  # an object whose P(Den) was never above is no curve
@@ -28,11 +29,16 @@ _LEAST_VARIANCE = 1e-10
 
 
 class Plots:
-    """Adds a point to each curve at each decision."""
+    """Adds a point to each curve at each decision.
+
+    Attributes:
+        words: How descriptions are said.
+    """
 
     def __init__(self, rows: Rows) -> None:
         """Begin without curves."""
         self._rows = rows
+        self.words: Wording = AS_RECORDED
         self._curves: dict[str, int] = {}
         self._start: dict[str, float] = {}
         self._least, self._most = -1.0, 1.0
@@ -49,7 +55,9 @@ class Plots:
             for anchor, p in table.items():
                 entity = f"plots/den/{expression}/{anchor}"
                 if p >= _SHOWN or entity in self._curves:
-                    name = anchor if len(denotation.probability) == 1 else f"{expression} {anchor}"
+                    name = (
+                        anchor if len(denotation.probability) == 1 else f"{anchor}: {self.words.described(expression)}"
+                    )
                     self._point(entity, name, p, when)
 
     def believed(self, belief: Belief, when: When) -> None:

@@ -38,12 +38,14 @@ from skolem.traces.scene.rows import Rows, When
 from skolem.traces.scene.shapes import FRAME
 from skolem.traces.scene.stage import Stage
 from skolem.traces.scene.truth import Truth
+from skolem.traces.wording.of_run import wording
+from skolem.traces.wording.wording import AS_RECORDED
 
 APPLICATION: Final = "skolem"  # a dot in it would make the viewer warn
 
 
-def convert(trace: Trace, out: Path, model: RobotModel) -> None:
-    """Write a trace as a rerun recording, with the layout in which it is best looked at.
+def convert(trace: Trace, out: Path, model: RobotModel, raw: bool = False) -> None:
+    """Write a trace as a rerun recording, with the layout in which it is best looked at; `raw` as in `Scene`.
 
     Raises:
         TraceError: If the trace holds a message that does not follow its schema.
@@ -53,7 +55,7 @@ def convert(trace: Trace, out: Path, model: RobotModel) -> None:
     out.open("wb").close()  # rerun itself would only log that it cannot
     stream = rr.RecordingStream(APPLICATION, recording_id=trace.path.stem)
     stream.save(out)
-    scene = Scene(stream, model)
+    scene = Scene(stream, model, raw)
     scene.survey(trace)
     for recorded in trace.messages(*scene.topics):
         scene.take(recorded)
@@ -74,12 +76,13 @@ class Scene:
         eye: From where it is looked at first, and labels are laid out for; None before it is known.
     """
 
-    def __init__(self, stream: rr.RecordingStream, model: RobotModel) -> None:
+    def __init__(self, stream: rr.RecordingStream, model: RobotModel, raw: bool = False) -> None:
         """Send what holds at all times.
 
         Args:
             stream: The recording.
             model: What the robot looks like.
+            raw: Whether fluents and operations are shown as they are recorded, not in words.
         """
         stream.log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, FRAME, static=True, strict=True)
         self._rows = rows = Rows(stream)
@@ -88,7 +91,8 @@ class Scene:
         self._truth, self._beliefs, self._regions = Truth(rows), Beliefs(rows), Regions(rows)
         self._labels = Labels(rows)
         self._plots, self._log = Plots(rows), Log(rows)
-        self._plans = Plans(rows, "")
+        self._plans = Plans(rows, "", AS_RECORDED)
+        self._raw, self._goal = raw, ""
         self._types = defaultdict[str, ObjectType](lambda: _UNKNOWN)
         self._step = 0
         self._belief: tuple[Belief, When] | None = None
@@ -148,10 +152,18 @@ class Scene:
             self._rows.stream.send_blueprint(blueprint(*layout, axis))
 
     def _started(self, message: RunStart, when: When) -> None:
-        self._plans = Plans(self._rows, message.goal)
+        self._goal = message.goal
+        self._speak()
 
     def _told(self, message: Prior, when: When) -> None:
         self._types.update(message.types)
+        self._speak()
+
+    def _speak(self) -> None:
+        """Say everything in the words of the run, as far as it is known: its goal comes first, then its types."""
+        words = wording(self._goal, self._types, {}, self._raw)
+        self._plans = Plans(self._rows, self._goal, words)
+        self._log.words = self._plots.words = words
 
     def _is(self, message: TrueState, when: When) -> None:
         self._truth.state(message, when, self._types)

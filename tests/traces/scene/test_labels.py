@@ -41,7 +41,7 @@ def known(**changes: object) -> ObjectBelief:
 
 def test_a_label_says_type_colour_and_whether_it_is_what_is_meant() -> None:
     meant = Denotation(step=0, probability={"e1": {"o2": 0.4142}})
-    assert text_of("o2", known(colour_seen=True), CAN, meant) == "o2: can .87, green, Den .41"
+    assert text_of("o2", known(colour_seen=True), CAN, meant) == "o2: can .87, green, meant .41"
 
 
 def test_a_label_does_not_tell_a_colour_nobody_has_seen_or_a_value_nobody_recorded() -> None:
