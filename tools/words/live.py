@@ -42,6 +42,7 @@ from skolem.traces.wording.wording import AS_RECORDED, Wording
 
 UNSURE = 0.5  # anchors less likely to exist are shown dim
 WIDEST = 100  # a table is never wider, however wide the terminal is
+NARROW = 80  # columns; on a terminal that is narrower every cell may be wrapped
 LEAST_ROWS = 3  # of the belief table, however low the terminal is
 _FRAME_LINES = 4  # of a table at least: title, heads and the lines around them
 
@@ -237,7 +238,9 @@ def belief_table(belief: Belief, meanings: Mapping[str, Meaning], width: int, mo
         most: How many rows it may have below its heads; the last one says how many objects are left out.
         first: A text; the objects that it names are shown before others.
     """
-    table = Table(*COLUMNS, title=f"belief at step {belief.step}", title_justify="left", box=SIMPLE_HEAD, width=width)
+    table = Table(title=f"belief at step {belief.step}", title_justify="left", box=SIMPLE_HEAD, width=width)
+    for column in COLUMNS:  # where there is no room for all, colours are wrapped first
+        table.add_column(column, no_wrap=width >= NARROW and not column.startswith("color"))
     rows = belief_rows(belief, meanings)
     kept = rows if len(rows) <= most else _most_wanted(rows, most - 1, first)
     for row in kept:

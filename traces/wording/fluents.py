@@ -82,8 +82,13 @@ def _known(things: Things, quantity: str, mean: Recorded, sd: Recorded, toleranc
 
 
 def weakest(texts: Iterable[tuple[str, Recorded | None]]) -> list[str]:
-    """Return which of some false fluents to tell: of several bounds on one probability the least, which says most."""
-    found = list(texts)
+    """Return which of some false fluents to tell.
+
+    Of several bounds on one probability the least says most. Nothing is true of an object before it is found: that is
+    told only if there is nothing else to tell.
+    """
+    every = list(texts)
+    found = [(text, term) for text, term in every if "sk(" not in text] or every
     least: dict[str, int] = {}
     for _, term in found:
         if term is not None and term.name == "b" and len(term.args) == 2 and (bound := term.args[1].number) is not None:

@@ -161,7 +161,7 @@ class InWords(Wording):
         said = [self.fluent(text) for text in told]
         if all(text.startswith("P(") for text in said):
             return f"{' and '.join(said)} {'is' if len(said) == 1 else 'are'} no longer believed"
-        return f"no longer so: {'; '.join(said)}"
+        return f"this is not so now: {'; '.join(said)}"
 
     def _refused(self, text: str) -> str:
         term = read(text)

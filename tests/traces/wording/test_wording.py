@@ -226,7 +226,12 @@ def test_of_several_bounds_on_one_probability_the_least_is_told() -> None:
     said = "P(sodaB is the green thing) >= .9 and P(sodaB exists) >= .9 are no longer believed"
     assert WORDS.drop(other) == said
     mixed = plan.model_copy(update={"false_fluents": (lost[0], "holding(sodaB)")})
-    assert WORDS.drop(mixed) == "no longer so: P(sodaB is the green thing) >= .9; a hand holds sodaB"
+    assert WORDS.drop(mixed) == "this is not so now: P(sodaB is the green thing) >= .9; a hand holds sodaB"
+    placeholder = "b(den(e1,sk(var(o))),105361)"
+    found = plan.model_copy(update={"false_fluents": (placeholder, "b(exists_in(e1,_reg1_),1423590)")})
+    assert WORDS.drop(found) == "P(the green thing is hidden in region _reg1_) >= .24 is no longer believed"
+    only = plan.model_copy(update={"false_fluents": (placeholder,)})
+    assert WORDS.drop(only) == "P(the object to be found is the green thing) >= .9 is no longer believed"
     assert AS_RECORDED.drop(plan) == f"preimage_lost: {lost[0]}, {lost[1]}"
 
 
