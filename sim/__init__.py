@@ -1,4 +1,4 @@
-"""The simulated world: the only holder of the truth, and the robot's motion planning in a client of its own."""
+"""The simulated world, which alone holds the truth, and motion planning in the believed world."""
 
 import lazy_loader
 

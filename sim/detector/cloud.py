@@ -1,4 +1,4 @@
-"""From a depth image to coloured points in the base frame, and to the coarse view that shows which space was seen."""
+"""Conversion of a depth image to coloured points in the base frame and to a coarse depth view."""
 
 from dataclasses import dataclass
 
@@ -12,19 +12,19 @@ from skolem.traces.messages import DepthView
 
 VIEW_STRIDE = 4  # 80 x 60: at 1.2 m a pixel is 1.7 cm wide, half a voxel of the regions that are searched
 BORDER_PX = 3
-ABOVE_PX = 4  # edges of what is nearer may have lost a pixel or two
+ABOVE_PX = 4  # the edge of a nearer object may have lost a pixel or two
 NEARER_M = 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class Cloud:
-    """Coloured points as the robot believes them.
+    """A cloud of coloured points where the robot believes them to be.
 
     Attributes:
         points_base: Shape (n, 3), metres, base frame.
         rgb: Shape (n, 3), each 0..1.
         at_border: Shape (n,), whether the pixel lies at the border of the image.
-        under_nearer: Shape (n,), whether something nearer is seen just above the pixel: what it shows may go on there.
+        under_nearer: Shape (n,), whether something nearer just above the pixel may hide more of its surface.
         pixel: Row and column of each point in the image, shape (n, 2).
         camera_base: Shape (3,), where the robot believes its camera to be, metres, base frame.
     """
@@ -37,7 +37,7 @@ class Cloud:
     camera_base: NDArray[np.float64]
 
     def only(self, chosen: NDArray[np.bool_]) -> "Cloud":
-        """Return the points of a mask of shape (n,)."""
+        """Return the points that a mask of shape (n,) selects."""
         return Cloud(
             self.points_base[chosen],
             self.rgb[chosen],
@@ -51,13 +51,13 @@ class Cloud:
 def cloud_from_depth(
     depth: NDArray[np.float64], rgb: NDArray[np.float64], base_T_camera: Frame, error: Extrinsics
 ) -> Cloud:
-    """Return the coloured points of an image, as wrong as the camera's calibration makes them.
+    """Return the coloured points of an image, displaced by the camera's calibration error.
 
     Args:
-        depth: Distance along the camera's axis, shape (rows, columns), metres; NaN: nothing came back.
+        depth: Distance along the camera's axis, shape (rows, columns), metres; NaN where there is no reading.
         rgb: Shape (rows, columns, 3), each 0..1.
         base_T_camera: From the robot's encoders.
-        error: Of this look's calibration.
+        error: Calibration error of this look.
     """
     rows, columns = depth.shape
     camera = (pixel_rays(columns, rows) * depth[..., None]).reshape(-1, 3) @ error.turn.T + error.shift
@@ -71,7 +71,7 @@ def cloud_from_depth(
 
 
 def _under_nearer(depth: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which readings have a clearly nearer one among the few pixels above them, shape (rows, columns)."""
+    """Return the mask of readings with a clearly nearer one among the few pixels above, shape (rows, columns)."""
     nearest = np.full(depth.shape, np.inf)
     for up in range(1, ABOVE_PX + 1):
         nearest[up:] = np.fmin(nearest[up:], depth[:-up])
@@ -84,7 +84,7 @@ def without_own_body(cloud: Cloud, segments_base: NDArray[np.float64], radius_m:
     Args:
         cloud: Points in the base frame.
         segments_base: Axes of the limbs, shape (k, 2, 3), metres, base frame.
-        radius_m: How far from an axis a point belongs to the limb.
+        radius_m: Greatest distance of a limb's points from its axis.
     """
     keep = np.ones(len(cloud.points_base), dtype=bool)
     for start, end in segments_base:
@@ -96,14 +96,14 @@ def without_own_body(cloud: Cloud, segments_base: NDArray[np.float64], radius_m:
 
 
 def misplaced(base_T_camera: Frame, error: Extrinsics) -> Frame:
-    """Return the frame in which a camera with that calibration error believes its points to lie as it sees them."""
+    """Return base_T_camera as a camera with that calibration error believes it."""
     return Frame(base_T_camera.origin + base_T_camera.axes @ error.shift, base_T_camera.axes @ error.turn)
 
 
 def depth_view(depth: NDArray[np.float64], base_T_camera: Frame) -> DepthView:
-    """Return every fourth reading of a depth image: exactly those on the rays that `DepthView` defines.
+    """Return every fourth reading of a depth image: those on the rays that `DepthView` defines.
 
-    Samples, not minima or means of blocks: a reading belongs to its ray, whatever lies between the rays.
+    The readings are samples, not minima or means of blocks, since a reading belongs to its ray.
     """
     sampled = depth[VIEW_STRIDE - 1 :: VIEW_STRIDE, ::VIEW_STRIDE]
     rows, columns = sampled.shape

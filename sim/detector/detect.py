@@ -1,8 +1,8 @@
-"""Typed detections from a coloured point cloud: supports, tables, clusters above them, a fit of every graspable type.
+"""The detector: it finds supports, tables and clusters in a coloured point cloud, and fits every graspable type.
 
-It sees the cloud and the type table, nothing else. Not reported: what the border of the image cuts, what has its top
-hidden behind something nearer, what stands on no support in view, and what no type explains. Things that touch each
-other are told apart where their cluster has a waist.
+Its only inputs are the cloud and the types. It does not report an object that the border of the image cuts, whose top
+is hidden behind something nearer, that stands on no support in view, or that no type explains. Objects that touch each
+other are separated where their cluster has a waist.
 """
 
 from dataclasses import dataclass
@@ -21,25 +21,25 @@ from skolem.sim.truth.noise import extrinsic_covariance
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 from skolem.traces.messages.likeliest import likeliest
 
-MAX_DISTANCE_M = 2.4  # from the camera; beyond it depth errors exceed what tells things from their support
-CLEARANCE_M = 0.015  # points this near a support are taken for the support
-HEADROOM_M = 0.05  # a cluster that reaches this far above the tallest type is none of them
-EDGE_M = 0.03  # things may stick out over the visible part of their support
-VOXEL_M = 0.012  # things closer than one to two of these are one cluster
+MAX_DISTANCE_M = 2.4  # from the camera; beyond it depth errors hide the step between an object and its support
+CLEARANCE_M = 0.015  # points this near a support count as the support
+HEADROOM_M = 0.05  # a cluster this much taller than the tallest type is of no type
+EDGE_M = 0.03  # objects may stick out over the visible part of their support
+VOXEL_M = 0.012  # objects closer than one to two voxels are one cluster
 MIN_POINTS = 30
-TOP_BAND_M, MAX_HIDDEN = 0.02, 0.3  # a top of which more lies behind something nearer may not be the top
-MAX_SPLITS = 2  # a cluster that no type explains is cut at its waist, and so may be its halves: up to four things
+TOP_BAND_M, MAX_HIDDEN = 0.02, 0.3  # with a greater hidden share the true top may be higher
+MAX_SPLITS = 2  # a cluster that no type explains is cut at its waist, and its halves again: up to four objects
 WAIST_BINS = 9  # over the middle half of a cluster
 MAX_OUTSIDE = 0.1  # share of a cluster's points outside the best type's outline
-MAX_HEIGHT_ERROR_M, MAX_OUTLINE_ERROR_M = 0.025, 0.0125  # of the best type: what is farther off explains nothing
+MAX_HEIGHT_ERROR_M, MAX_OUTLINE_ERROR_M = 0.025, 0.0125  # of the best type; beyond them no type explains a cluster
 
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What a cloud shows.
+    """The objects and supports found in a cloud.
 
     Attributes:
-        detections: Of things, in canonical order.
+        detections: Detections of graspable objects, in canonical order.
         supports: Highest first.
         camera_base: Shape (3,), metres, base frame.
         tables: Detections of tables, in canonical order.
@@ -52,12 +52,12 @@ class Seen:
 
 
 def detect(cloud: Cloud, types: dict[str, ObjectType], noise: NoiseModel) -> Seen:
-    """Return the graspable things and the tables in a cloud.
+    """Return the graspable objects and the tables in a cloud.
 
     Args:
         cloud: Points in the base frame, z nearly up, without the robot's own body.
         types: Every type; graspable ones and tables are looked for.
-        noise: How far the camera's calibration may be off.
+        noise: Gives the camera's calibration error.
     """
     whole, is_near = cloud, np.linalg.norm(cloud.points_base - cloud.camera_base, axis=1) < MAX_DISTANCE_M
     cloud = whole.only(is_near)
@@ -74,7 +74,7 @@ def detect(cloud: Cloud, types: dict[str, ObjectType], noise: NoiseModel) -> See
 
 
 def table_detection(fit: TableFit, kind: ObjectType, camera_base: NDArray[np.float64], noise: NoiseModel) -> Detection:
-    """Return the detection of a table: it could be of the types of tables that were tried, never of a thing."""
+    """Return the detection of a table; its likelihoods are those of the table types that were tried."""
     x, y, theta = (float(value) for value in fit.xy_theta)
     red, green, blue = (float(value) for value in fit.seen.rgb.mean(axis=0))
     return Detection(
@@ -104,9 +104,9 @@ def pose_covariance(
 ) -> tuple[float, float, float, float, float, float]:
     """Return the upper triangle of the covariance of a seen pose over (x, y, theta), object frame.
 
-    The sum of what the fit leaves open and of the calibration error at this place, turned from the base frame's axes
-    to the object's. A cylinder's heading has the fit's variance, that of a uniform one; a box's is modulo half a turn
-    (a square one's: a quarter), so its variance is that of the one reported heading.
+    It is the sum of the fit's covariance and that of the calibration error at this place, turned from the base frame's
+    axes to the object's. A cylinder's heading has the variance of a uniform one. A box's heading is reported modulo
+    half a turn (a square box's: a quarter), and has the variance of the reported value.
     """
     x, y, z, theta = base_T_object
     total = fit_covariance + extrinsic_covariance(noise, np.array([x, y, z]) - camera_base)
@@ -120,7 +120,7 @@ def pose_covariance(
 def _clusters(
     cloud: Cloud, supports: tuple[Support, ...], sought: dict[str, ObjectType]
 ) -> list[tuple[Support, Cloud]]:
-    """Return the connected clusters of points over each support, each point over the highest it is over."""
+    """Return the connected clusters of points over each support; a point belongs to the highest support below it."""
     tallest = max((kind.size_m[2] for kind in sought.values()), default=0.0)
     free = np.ones(len(cloud.points_base), dtype=bool)
     for support in supports:
@@ -159,7 +159,7 @@ def _connected(cloud: Cloud) -> list[Cloud]:
 def _explained(
     cluster: Cloud, support: Support, sought: dict[str, ObjectType], noise: NoiseModel, splits: int = MAX_SPLITS
 ) -> list[Detection]:
-    """Return the detections of a cluster: one if a type explains it, else those of its halves if types do."""
+    """Return the detections in a cluster: one if a type explains it, else those in its halves."""
     whole = _detection(cluster, support, sought, noise)
     if whole is not None or splits == 0:
         return [] if whole is None else [whole]
@@ -172,7 +172,7 @@ def _explained(
 
 
 def _beyond_waist(points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which points, shape (n, 3), lie beyond the thinnest place across the longest direction, shape (n,)."""
+    """Return the mask, shape (n,), of points (n, 3) beyond the waist: the thinnest part along the longest direction."""
     feet = points[:, :2] - points[:, :2].mean(axis=0)
     along = feet @ np.linalg.eigh(feet.T @ feet)[1][:, -1]
     low, high = along.min(), along.max()
@@ -207,6 +207,6 @@ def _detection(cluster: Cloud, support: Support, sought: dict[str, ObjectType], 
 
 
 def _explains(fit: Fit) -> bool:
-    """Return whether a cluster can be of a type at all: its height, its outline and where its points lie allow it."""
+    """Return whether a type explains a cluster by its height, its outline and the share of points outside."""
     off = np.hypot(fit.height_error_m / MAX_HEIGHT_ERROR_M, fit.outline_error_m / MAX_OUTLINE_ERROR_M)
     return bool(off <= 1.0 and fit.outside <= MAX_OUTSIDE)

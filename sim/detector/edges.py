@@ -1,8 +1,8 @@
-"""Where the top of a table ends in a picture: edges of a plane against what lies below it.
+"""Edges of table tops in a picture: pixels of a plane next to pixels of points below it.
 
-Only what is certain counts. A ray that reaches a point below the plane has passed through it where no table is; next to
-a pixel that shows the plane, it is beyond an edge. What lies above the plane may hide more of it, the border of the
-image cuts it, and where nothing came back nothing is known: none of these is an edge.
+Only certain edges count. A ray to a point below the plane crosses the plane where no table is; if the pixel beside it
+shows the plane, there is an edge between them. An object above the plane may hide more of it, the border of the image
+cuts it, and a pixel without reading shows nothing: none of these is an edge.
 """
 
 from dataclasses import dataclass
@@ -15,25 +15,25 @@ from skolem.sim.detector.cloud import Cloud
 from skolem.sim.detector.supports import Support
 
 ON_M = 0.015  # points this near a plane show it
-REACH_M = 2.4  # from the camera; beyond it depth errors tell no plane from what is below
+REACH_M = 2.4  # from the camera; beyond it depth errors hide the step between a plane and points below it
 GAP_PX = 3  # a depth camera loses a pixel on either side of an edge
-RUN_PX = 3  # so many pixels in a row lie below before the first of them counts
-FACE_M = 0.06  # what is below within this distance is the front of the table: it ends where the top does
-CELL_M = 0.04  # parts of a plane that touch on a grid of this width are one
+RUN_PX = 3  # most of so many pixels in a row must lie below the plane
+FACE_M = 0.06  # a point below nearer than this may be the table's front, which ends where the top does
+CELL_M = 0.04  # width of the grid on which parts of a plane are connected
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Top:
-    """One connected part of a plane, and its seen edges, all along the plane in the base frame's x and y.
+    """One connected part of a plane and its seen edges, in the base frame's x and y.
 
     Attributes:
         cloud: Its points.
-        inside: Where the rays of these points cross the plane, shape (n, 2), metres.
+        inside: Crossings of these points' rays with the plane, shape (n, 2), metres.
         edge: Points on its edges, shape (k, 2).
-        outward: Which way the plane ends at each of them, roughly, unit vectors, shape (k, 2).
-        gap_m: How far apart the last ray on the plane and the first one beyond it are, shape (k,).
+        outward: Rough direction in which the plane ends at each edge point, unit vectors, shape (k, 2).
+        gap_m: Distance between the last ray on the plane and the first one beyond it, shape (k,).
     """
 
     cloud: Cloud
@@ -47,7 +47,7 @@ def tops(cloud: Cloud, support: Support) -> list[Top]:
     """Return the connected parts of a plane, largest first.
 
     Args:
-        cloud: Everything seen, in the order of its pixels.
+        cloud: All seen points, in the order of their pixels.
         support: The plane.
     """
     height = support.height(cloud.points_base)
@@ -70,20 +70,20 @@ def tops(cloud: Cloud, support: Support) -> list[Top]:
 
 
 def passed(cloud: Cloud, support: Support, depth_m: float) -> Array:
-    """Return where the rays to points at least `depth_m` below a plane crossed it, shape (m, 2)."""
+    """Return the crossings with a plane of the rays to points at least `depth_m` below it, shape (m, 2)."""
     height = support.height(cloud.points_base)
     return _crossings(cloud, height, support)[height < -depth_m]
 
 
 def _crossings(cloud: Cloud, height: Array, support: Support) -> Array:
-    """Return where the ray to each point crosses the plane, shape (n, 2); a point above it is drawn out to there."""
+    """Return the crossing of each point's ray with the plane, shape (n, 2); rays to points above it are extended."""
     eye = float(support.height(cloud.camera_base[None])[0])
     share = eye / np.maximum(eye - height, ON_M)
     return np.asarray((cloud.camera_base + share[:, None] * (cloud.points_base - cloud.camera_base))[:, :2])
 
 
 def _parts(foot: Array, on: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return for each point the number of the connected part of the plane it shows, from 1; 0 if it shows none."""
+    """Return the number, from 1, of the connected part of the plane that each point shows, shape (n,); 0 for none."""
     part = np.zeros(len(foot), dtype=np.int64)
     if on.any():
         cell = np.floor((foot[on] - foot[on].min(axis=0)) / CELL_M).astype(np.int64)
@@ -97,7 +97,7 @@ def _parts(foot: Array, on: NDArray[np.bool_]) -> NDArray[np.int64]:
 def _steps_over_edges(
     pixel: NDArray[np.int64], on: NDArray[np.bool_], below: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the points on the plane that are next to one below it, and those, along rows and columns both ways."""
+    """Return the indices of plane points next to a point below the plane, and of the latter, in all four directions."""
     margin = GAP_PX + RUN_PX
     rows, columns = pixel.max(axis=0, initial=0) + 1 + 2 * margin
     at = np.full((rows, columns), -1, dtype=np.int64)
@@ -106,7 +106,7 @@ def _steps_over_edges(
     inner, outer = [], []
     for direction in ((0, 1), (0, -1), (1, 0), (-1, 0)):
         line = [start + step * np.array(direction) for step in range(1, margin + 1)]
-        ahead = np.array([at[place[:, 0], place[:, 1]] for place in line])  # (margin, k), -1: nothing came back
+        ahead = np.array([at[place[:, 0], place[:, 1]] for place in line])  # (margin, k), -1: no reading
         known = ahead >= 0
         first = np.argmax(known, axis=0)
         run = first + np.arange(RUN_PX)[:, None]

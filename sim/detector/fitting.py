@@ -1,8 +1,8 @@
-"""How well a cluster of points agrees with each type, and where an object of that type would stand.
+"""The fit of a type to a cluster of points: the best pose and the errors that remain.
 
 The size of a type is known, so only its pose is fitted: least squares of the distance between points and outline, seen
-from above, with the known centre line vertical on its support. Only part of an object is seen; a fit without the known
-size would be off by several millimetres.
+from above, with the axis vertical on the support. Only part of an object is seen; a fit without the known size would be
+off by several millimetres.
 """
 
 import math
@@ -16,15 +16,15 @@ from scipy.optimize import least_squares
 from skolem.traces.messages import ObjectType
 
 OUTLIER_M = 0.004  # distances beyond this count linearly (soft L1)
-OUTSIDE_M = 0.015  # a point this far outside the outline is of something else
+OUTSIDE_M = 0.015  # a point this far outside the outline belongs to another object
 TOP_M = 0.012  # points this near the top may lie inside the outline
 TOP_PERCENTILE = 98.0  # of the heights: lies on the top, above its middle by as much as depth errors spread it
 TOP_SPREAD_M = 0.006  # points this near that height are of the top
-TOP_BIAS_M = 0.0005  # a top is seen so much too high: a drawn cylinder's is by 0.9 mm, a box's is not
-MAX_POINTS = 240  # of a cluster used in a fit, evenly taken
+TOP_BIAS_M = 0.0005  # mean error of a seen top: 0.9 mm for a cylinder, none for a box
+MAX_POINTS = 240  # greatest number of a cluster's points in a fit, evenly chosen
 MAX_EVALUATIONS = 10  # per start of a fit; more move the best fit by less than a tenth of a millimetre
-MODEL_SD_M = 0.0015  # a fit is never trusted beyond this: depth steps and the outline's discreteness are common errors
-PRIOR_SD = (0.05, 0.05, 1.8)  # m, m, rad: what is known of a pose in a direction that the points leave open
+MODEL_SD_M = 0.0015  # least sd of a fit: depth steps and the outline's discreteness are common errors
+PRIOR_SD = (0.05, 0.05, 1.8)  # m, m, rad: sd of a pose in a direction that the points do not constrain
 YAW_STARTS = 4
 UNKNOWN_YAW_SD_RAD = 1.8  # uniform over a full turn has sd pi / sqrt(3)
 
@@ -38,7 +38,7 @@ class Fit:
     Attributes:
         height_error_m: Height of the cluster's top less that of the type.
         outline_error_m: Mean distance of the points from the outline.
-        outside: Share of the points that lie clearly outside the outline: a cluster of two things has many.
+        outside: Share of the points that lie clearly outside the outline; it is large for a cluster of two objects.
         xy_theta: Shape (3,), metres and radians, base frame; theta of a cylinder is 0.
         covariance: Of the fit alone, shape (3, 3), over (x, y, theta) along the base frame's axes.
     """
@@ -53,12 +53,12 @@ class Fit:
 def fit_type(
     outline_points: NDArray[np.float64], heights: NDArray[np.float64], camera_xy: NDArray[np.float64], kind: ObjectType
 ) -> Fit:
-    """Return how a cluster fits a type.
+    """Return the best fit of a type to a cluster.
 
     Args:
         outline_points: The points' feet on the support, shape (n, 2), metres, base frame.
         heights: Their heights above the support, shape (n,), metres.
-        camera_xy: Where the camera stands, shape (2,): the far side of the object is not seen.
+        camera_xy: Position of the camera, shape (2,); the far side of the object is not seen from there.
         kind: Shape and size of the type.
     """
     every = len(heights) // MAX_POINTS + 1
@@ -86,13 +86,13 @@ def fit_type(
 
 
 def _top_m(heights: NDArray[np.float64]) -> float:
-    """Return the height of a cluster's top: in the middle of the points that depth errors spread above and below it."""
+    """Return the height of a cluster's top: the median of the points that depth errors spread around it."""
     high = np.percentile(heights, TOP_PERCENTILE, method="lower")
     return float(np.median(heights[np.abs(heights - high) < TOP_SPREAD_M])) - TOP_BIAS_M
 
 
 def _starts(feet: NDArray[np.float64], camera_xy: NDArray[np.float64], kind: ObjectType) -> list[NDArray[np.float64]]:
-    """Return where the fit starts: behind the seen side, and for a box at several headings."""
+    """Return the start poses of the fit: behind the seen side, and for a box at several headings."""
     centre = feet.mean(axis=0)
     away = (centre - camera_xy) / np.linalg.norm(centre - camera_xy)
     start = centre + away * 0.3 * min(kind.size_m[:2])
@@ -102,7 +102,10 @@ def _starts(feet: NDArray[np.float64], camera_xy: NDArray[np.float64], kind: Obj
 
 
 def _distance_to(kind: ObjectType) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
-    """Return the signed distance of points (n, 2) from the outline of a type at a pose; negative inside."""
+    """Return the function that gives the signed distance of points (n, 2) from a type's outline at a pose.
+
+    The distance is negative inside.
+    """
     half = np.array(kind.size_m[:2]) / 2.0
 
     def circle(feet: NDArray[np.float64], pose: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -131,8 +134,8 @@ def _canonical(pose: NDArray[np.float64], kind: ObjectType) -> NDArray[np.float6
 def _covariance(jacobian: NDArray[np.float64], spread: float) -> NDArray[np.float64]:
     """Return the covariance of a fitted pose, shape (3, 3); a cylinder's heading is unknown.
 
-    All points share the errors of depth steps and outline, so the points count as one for each parameter's direction:
-    information is that of the mean squared Jacobian, not of the sum.
+    All points share the errors of depth steps and outline, so they count as one for each parameter: the information is
+    that of the mean squared Jacobian, not of the sum.
     """
     information = np.diag(1.0 / np.square(PRIOR_SD))
     size = jacobian.shape[1]

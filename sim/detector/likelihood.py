@@ -1,9 +1,9 @@
-"""How likely what is seen is under a type, by how far its height and its outline are off those of the type.
+"""The likelihood of a type for a cluster, from the errors of its height and its outline.
 
-Nearly always a cluster is just one thing; then errors are those of depth, whose noise and steps grow with the square of
-the distance. Now and then it is not: a cut leaves a piece of the neighbour, or two things pass for one. Its height and
-outline are then off by centimetres and say next to nothing of the type. The two make a contaminated Gaussian (Tukey, "A
-survey of sampling from contaminated distributions", 1960).
+Nearly always a cluster is exactly one object; then its errors are those of depth, whose noise and steps grow with the
+square of the distance. Sometimes it is not: a cut leaves a piece of the neighbour, or two objects form one cluster.
+Then height and outline are off by centimetres and say almost nothing about the type. Both cases together make a
+contaminated Gaussian (Tukey, "A survey of sampling from contaminated distributions", 1960).
 """
 
 import math
@@ -11,14 +11,14 @@ import math
 from skolem.sim.truth.noise import RANGE_M
 from skolem.traces.messages import ObjectType
 
-HEIGHT_SD_PER_M2 = 0.00035  # metres per square metre of distance: of the height of one thing's top
-OUTLINE_SD_PER_M2 = 0.0007  # the same, of the mean distance of one thing's points from its outline
-MIXED = 0.01  # probability that a cluster is not just one thing
+HEIGHT_SD_PER_M2 = 0.00035  # metres per square metre of distance: of the height of one object's top
+OUTLINE_SD_PER_M2 = 0.0007  # the same, of the mean distance of one object's points from its outline
+MIXED = 0.01  # probability that a cluster is not exactly one object
 MIXED_HEIGHT_SD_M, MIXED_OUTLINE_SD_M = 0.1, 0.02  # of such a cluster: wider than types differ
 
 
 def type_log_likelihood(height_error_m: float, outline_error_m: float, distance_m: float) -> float:
-    """Return the log-likelihood of a type for a cluster, relative to that of one without errors, which is 0.
+    """Return the log-likelihood of a type for a cluster, relative to that of a cluster without errors, which is 0.
 
     Args:
         height_error_m: Height of the cluster's top less that of the type.
@@ -40,5 +40,5 @@ def type_log_likelihood(height_error_m: float, outline_error_m: float, distance_
 
 
 def likeness(seen: ObjectType, kind: ObjectType, distance_m: float) -> float:
-    """Return the log-likelihood of a type for what looks exactly like type `seen` at a distance from the camera."""
+    """Return the log-likelihood of `kind` for an object of type `seen`, measured without errors at a distance."""
     return type_log_likelihood(seen.size_m[2] - kind.size_m[2], (seen.size_m[0] - kind.size_m[0]) / 2.0, distance_m)

@@ -1,7 +1,7 @@
-"""Horizontal planes that things stand on, found in a point cloud whose vertical is a few degrees off.
+"""Supports: horizontal planes in a point cloud whose vertical is a few degrees off.
 
-Heights are gathered in a histogram weighted by the surface each pixel stands for; the plane at its peak is fitted by
-trimmed least squares; its points are taken away and the search goes on, until no plane is large enough.
+Heights are collected in a histogram weighted by the surface area of each pixel; the plane at its peak is fitted by
+trimmed least squares; its points are removed and the search is repeated until no plane is large enough.
 """
 
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ from scipy.spatial import ConvexHull
 
 BIN_M = 0.01
 PEAK_BINS = 5  # a tilt of 2 degrees spreads a table of 1.2 m over 4 cm
-TRIM_M = (0.045, 0.03, 0.02, 0.015)  # successive distances within which a point is of the plane
-NARROW_M, NARROW_SD, NARROW_STEPS = 0.002, 2.5, 3  # at last only the bulk: edges of tables and feet of things pull
+TRIM_M = (0.045, 0.03, 0.02, 0.015)  # successive distances within which a point belongs to the plane
+NARROW_M, NARROW_SD, NARROW_STEPS = 0.002, 2.5, 3  # at last only the bulk: table edges and feet of objects bias a fit
 MEDIAN_PER_SD = 0.6745  # of the absolute value of a Gaussian
 MAX_SLOPE = 0.1  # of a fitted plane; six sd of a calibration error of 1 degree
-MIN_AREA_M2 = 0.05  # a patch of 22 cm square; the top of a graspable thing is smaller
+MIN_AREA_M2 = 0.05  # a patch of 22 cm square; the top of a graspable object is smaller
 MAX_SUPPORTS = 6
-MIN_RAY_SLOPE = 0.1  # a ray flatter than this tells nothing of a horizontal area
+MIN_RAY_SLOPE = 0.1  # a flatter ray gives no horizontal area
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,12 +42,12 @@ class Support:
         return np.asarray(points @ self.normal - self.offset)
 
     def covers(self, points: NDArray[np.float64], margin_m: float) -> NDArray[np.bool_]:
-        """Return which of points, shape (n, 3), lie over the hull, or at most `margin_m` beside it; shape (n,)."""
+        """Return the mask, shape (n,), of points (n, 3) that lie over the hull or at most `margin_m` beside it."""
         beside = points[:, :2] @ self.hull[:, :2].T + self.hull[:, 2]
         return np.asarray(beside.max(axis=1) <= margin_m)
 
     def foot(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return where points, shape (n, 3), stand on the plane: projected along its normal, of the same shape."""
+        """Return points, shape (n, 3), projected on the plane along its normal, shape (n, 3)."""
         return np.asarray(points - self.height(points)[:, None] * self.normal)
 
     def z_at(self, x: float, y: float) -> float:
@@ -62,8 +62,8 @@ def find_supports(
 
     Args:
         points_base: Shape (n, 3), metres, base frame, z nearly up.
-        camera_base: Shape (3,): where the points were seen from.
-        focal_px: Of the depth image that the points come from.
+        camera_base: Position of the camera, shape (3,), base frame.
+        focal_px: Focal length of the depth image in pixels.
     """
     area = _area_per_point(points_base, camera_base, focal_px)
     free = np.ones(len(points_base), dtype=bool)
@@ -83,7 +83,7 @@ def find_supports(
 
 
 def _area_per_point(points: NDArray[np.float64], camera: NDArray[np.float64], focal_px: float) -> NDArray[np.float64]:
-    """Return the area of horizontal surface that a pixel stands for, shape (n,), square metres; 0 looking up."""
+    """Return the horizontal surface area of each pixel, shape (n,), square metres; 0 for rays that go up."""
     ray = points - camera
     distance = np.linalg.norm(ray, axis=1)
     slope = -ray[:, 2] / np.maximum(distance, np.finfo(np.float64).tiny)
@@ -91,7 +91,7 @@ def _area_per_point(points: NDArray[np.float64], camera: NDArray[np.float64], fo
 
 
 def _peak_height(heights: NDArray[np.float64], area: NDArray[np.float64]) -> float | None:
-    """Return the height around which most surface lies, or None if that is less than a support's."""
+    """Return the height around which most surface lies, or None if that is less than `MIN_AREA_M2`."""
     if not len(heights):
         return None
     lowest = np.floor(heights.min() / BIN_M) * BIN_M
@@ -117,7 +117,7 @@ def _fit(points: NDArray[np.float64], height: float) -> NDArray[np.float64]:
 
 
 def _bulk(distance: NDArray[np.float64]) -> float:
-    """Return the distance from a plane within which the bulk of its points lies, by their median distance."""
+    """Return the distance from a plane within which most of its points lie, from their median distance."""
     sd = float(np.median(distance)) / MEDIAN_PER_SD if len(distance) else 0.0
     return max(NARROW_M, NARROW_SD * sd)
 

@@ -1,9 +1,9 @@
-"""Where tables stand, from the edges of their tops that a picture shows.
+"""Poses of tables, from the edges of their tops in a picture.
 
-A table's size is known, so only its place and heading are fitted: the directions of the seen edges give the heading,
-two opposite edges or one and the extent of what is seen tell which side is which. Mostly only part of a table is in the
-picture; what no seen edge constrains comes out with a large variance. Where two ways to lay the table fit, or none,
-none is reported.
+A table's size is known, so only its position and heading are fitted. The directions of the seen edges give the heading;
+two opposite edges, or one and the extent of the seen top, give the sides. Mostly only part of a table is in the
+picture; a direction that no seen edge constrains gets a large variance. If two poses fit, or none, no table is
+reported.
 """
 
 import math
@@ -19,18 +19,18 @@ from skolem.sim.detector.supports import Support
 from skolem.traces.messages import ObjectType
 from skolem.traces.messages.likeliest import likeliest
 
-HEIGHT_M = 0.06  # a top this much off its type's height is not one: three sd of a camera 1 degree off, at 1.2 m
+HEIGHT_M = 0.06  # greatest error of a top's height: three sd of a camera 1 degree off, at 1.2 m
 HEIGHT_SD_M = 0.02
 MIN_POINTS = 400  # of a top
-BIN_M = 0.015  # edge points in one bin are of one edge
+BIN_M = 0.015  # edge points in one bin belong to one edge
 HEADINGS = 90  # tried over a quarter turn
 MIN_EDGE_POINTS, MIN_EDGE_M = 12, 0.10
-SLACK_M = 0.03  # edges first located and seen extents may be off by so much
-EXTENT_QUANTILE = 0.01  # of the points on a top: fewer may be of other things that reach its height beside it
-EDGE_SD_M = 0.002  # of the place of an edge whose points lie dense; all points of an edge share its error
-GAP_PARTS = 6.0  # an edge is off by one of so many parts of the gap between rays: rows of pixels mostly cross it aslant
+SLACK_M = 0.03  # error of first edge positions and of seen extents
+EXTENT_QUANTILE = 0.01  # of the points on a top: fewer may belong to other objects of its height beside it
+EDGE_SD_M = 0.002  # of the position of an edge with dense points; all its points share the error
+GAP_PARTS = 6.0  # an edge's sd is the gap between rays divided by this: rows of pixels mostly cross it aslant
 UNKNOWN_SD = (0.5, 0.5, 1.0)  # m, m, rad: in a direction that no edge constrains
-MAX_EMPTY = 0.02  # share of a laid table, in seen points, through which rays may have passed
+MAX_EMPTY = 0.02  # greatest share of rays through the table, relative to seen points
 MIN_LOG_LIKELIHOOD = -8.0
 
 Array = NDArray[np.float64]
@@ -38,11 +38,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class TableFit:
-    """A table found.
+    """A detected table.
 
     Attributes:
         kind: Its best type.
-        log_likelihood: Of each type that was tried on what is seen.
+        log_likelihood: Log-likelihood of each type that was tried.
         xy_theta: Shape (3,), metres and radians, base frame; theta within half a turn, a square one's within a quarter.
         covariance: Of the fit alone, shape (3, 3), over (x, y, theta) along the base frame's axes.
         top_m: Height of the top at that place, metres, base frame.
@@ -59,14 +59,14 @@ class TableFit:
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """A seen edge in the frame of a heading.
+    """A seen edge of a table in a frame turned to the heading.
 
     Attributes:
         axis: 0 if it bounds x, 1 if it bounds y.
         sign: +1 if the table ends towards larger values, -1 towards smaller ones.
-        at_m: Where it lies on that axis.
-        points: Those on it, shape (k, 2), base frame.
-        sd_m: Of `at_m`.
+        at_m: Its position on that axis.
+        points: Its points, shape (k, 2), base frame.
+        sd_m: Standard deviation of `at_m`.
     """
 
     axis: int
@@ -77,10 +77,10 @@ class Side:
 
 
 def find_tables(cloud: Cloud, supports: tuple[Support, ...], types: dict[str, ObjectType]) -> list[TableFit]:
-    """Return the tables of which a picture shows enough edges.
+    """Return the tables with enough edges in a picture.
 
     Args:
-        cloud: Everything seen, without the robot's own body.
+        cloud: All seen points, without the robot's own body.
         supports: The horizontal planes in it.
         types: The types of tables by name.
     """
@@ -100,7 +100,7 @@ def _is_as_high(support: Support, kind: ObjectType) -> bool:
 
 
 def _fit(top: Top, support: Support, empty: Array, sought: dict[str, ObjectType]) -> TableFit | None:
-    """Return the one way to lay a table on a top; None if there is none, or more than one."""
+    """Return the fit of a table to a top; None unless exactly one pose fits."""
     theta = _heading(top.edge)
     sides = _sides(top, theta) if theta is not None else []
     if theta is None or not sides:
@@ -127,13 +127,13 @@ def _score(kind: ObjectType, support: Support, top: Top) -> float:
 
 
 def _along(points: Array, theta: float) -> Array:
-    """Return points, shape (n, 2), in axes turned by `theta`, of the same shape."""
+    """Return points, shape (n, 2), in axes turned by `theta`, shape (n, 2)."""
     c, s = math.cos(theta), math.sin(theta)
     return np.asarray(points @ np.array([[c, -s], [s, c]]))
 
 
 def _heading(edge: Array) -> float | None:
-    """Return the direction modulo a quarter turn along which edge points line up best, radians."""
+    """Return the heading, modulo a quarter turn, along which edge points line up best, radians."""
     if len(edge) < MIN_EDGE_POINTS:
         return None
     candidates = np.arange(HEADINGS) * (math.pi / 2.0 / HEADINGS)
@@ -141,7 +141,7 @@ def _heading(edge: Array) -> float | None:
 
 
 def _concentration(points: Array) -> float:
-    """Return how much points gather at few values of either coordinate."""
+    """Return a measure of how much points concentrate at few values of either coordinate."""
     total = 0
     for values in points.T:
         count = np.bincount(((values - values.min()) / BIN_M).astype(np.int64))
@@ -150,7 +150,7 @@ def _concentration(points: Array) -> float:
 
 
 def _sides(top: Top, theta: float) -> list[Side]:
-    """Return the seen edges of a table of that heading: where most edge points of an outward direction gather."""
+    """Return the seen edges of a table of that heading: one where most edge points of an outward direction lie."""
     points, outward, inside = (_along(rows, theta) for rows in (top.edge, top.outward, top.inside))
     found = []
     for axis, sign in ((0, -1), (0, 1), (1, -1), (1, 1)):
@@ -168,7 +168,7 @@ def _sides(top: Top, theta: float) -> list[Side]:
 
 
 def _mode(values: Array) -> float:
-    """Return the value around which most of `values` gather."""
+    """Return the value around which most of `values` lie."""
     lowest = float(values.min())
     count = np.bincount(((values - lowest) / BIN_M).astype(np.int64), minlength=2)
     peak = int(np.argmax(count[1:] + count[:-1]))
@@ -180,7 +180,7 @@ def _mode(values: Array) -> float:
 
 
 def _laid(kind: ObjectType, theta: float, sides: list[Side], inside: Array, empty: Array) -> list[Array]:
-    """Return the poses (x, y, theta) at which a table agrees with seen edges, seen top and seen emptiness."""
+    """Return the poses (x, y, theta) at which a table agrees with seen edges, seen top and empty space."""
     first, second, _ = kind.size_m
     square = first == second
     seen, free = _along(inside, theta), _along(empty, theta)
@@ -200,7 +200,7 @@ def _laid(kind: ObjectType, theta: float, sides: list[Side], inside: Array, empt
 
 
 def _centre(axis: int, size_m: float, sides: list[Side], seen: Array) -> float | None:
-    """Return where the middle of a table of that width lies on one axis; None if that cannot be."""
+    """Return the middle of a table of that width on one axis; None if the sides contradict the width."""
     low, high = np.quantile(seen, (EXTENT_QUANTILE, 1.0 - EXTENT_QUANTILE)).tolist()
     ends = {side.sign: side.at_m for side in sides if side.axis == axis}
     if len(ends) == 2:
@@ -210,12 +210,12 @@ def _centre(axis: int, size_m: float, sides: list[Side], seen: Array) -> float |
 
 
 def _refined(start: Array, theta: float, kind: ObjectType, sides: list[Side]) -> tuple[Array, Array]:
-    """Return the pose of a table on its edges by least squares, and its covariance, shape (3, 3), base axes.
+    """Return the least-squares pose of a table from its edges, and its covariance, shape (3, 3), base axes.
 
     Args:
-        start: Near it, (x, y, theta).
-        theta: The heading in whose frame the sides are told.
-        kind: Gives the size.
+        start: A pose (x, y, theta) near the result.
+        theta: The heading of the frame in which the sides are given.
+        kind: The type, for its size.
         sides: The seen edges.
     """
     half = np.array(kind.size_m[:2]) / 2.0
@@ -243,7 +243,7 @@ def _unit(axis: int, theta: float) -> Array:
 
 
 def _each_once(fits: list[TableFit], types: dict[str, ObjectType]) -> list[TableFit]:
-    """Return fits of different tables: what may be more of a table found before is left out."""
+    """Return one fit for each table: a fit that may be another part of an earlier table is left out."""
     kept: list[TableFit] = []
     for fit in fits:
         if not any(_may_be_of(fit.seen.points_base[:, :2], other, types[other.kind]) for other in kept):
@@ -252,7 +252,7 @@ def _each_once(fits: list[TableFit], types: dict[str, ObjectType]) -> list[Table
 
 
 def _may_be_of(points: Array, fit: TableFit, kind: ObjectType) -> bool:
-    """Return whether most of some points, shape (n, 2), may lie on a table, as well as its place is known."""
+    """Return whether most points, shape (n, 2), may lie on a table, given the covariance of its pose."""
     local = _along(points - fit.xy_theta[:2], float(fit.xy_theta[2]))
     c, s = math.cos(fit.xy_theta[2]), math.sin(fit.xy_theta[2])
     spread = np.array([[c, s], [-s, c]]) @ fit.covariance[:2, :2] @ np.array([[c, -s], [s, c]])

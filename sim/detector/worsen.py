@@ -1,4 +1,4 @@
-"""What makes a detector on clean renderings as bad as one in a kitchen: misses, wrong types, colours, false alarms."""
+"""Errors of a real detector, added to clean ones: missed and false detections, wrong types and colours."""
 
 import numpy as np
 from numpy.random import Generator
@@ -11,23 +11,23 @@ from skolem.sim.truth.noise import Purpose, stream
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 from skolem.traces.messages.likeliest import likeliest
 
-FALSE_POINTS = (40, 300)  # a false alarm claims to rest on so many points
+FALSE_POINTS = (40, 300)  # number of points of a false detection: least, greatest
 
 
 def worsen(
     seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, told: NoiseModel, seed: int, step: int
 ) -> tuple[Detection, ...]:
-    """Return the detections of one look after misses, type confusions, colour noise and false alarms.
+    """Return the detections of one look after missed detections, type confusions, colour noise and false detections.
 
-    A table may be missed as a thing may; it is never taken for a thing, nor a thing for it, and none is invented.
+    Tables may be missed too. They are never confused with graspable objects, and there are no false tables.
 
     Args:
-        seen: What the detector found, in canonical order: the draws are dealt out in that order.
-        types: Every type; confusions and false alarms are among the graspable ones.
-        noise: Rates and sd.
-        told: What the detector takes them for when it states covariances.
-        seed: Of the run.
-        step: Of the look.
+        seen: The clean detections, in canonical order, which is also the order of the draws.
+        types: Every type; confusions and false detections are among the graspable ones.
+        noise: True rates and standard deviations.
+        told: The stated noise, from which the detector computes covariances.
+        seed: Seed of the run.
+        step: Step of the look.
     """
     names = sorted(name for name, kind in types.items() if kind.graspable)
     count = len(seen.detections)
@@ -51,13 +51,13 @@ def _tables(tables: tuple[Detection, ...], noise: NoiseModel, draws: Generator) 
 
 
 def _tinted(detection: Detection, shift: NDArray[np.float64]) -> Detection:
-    """Return the detection with its mean colour off by `shift`, kept within 0..1."""
+    """Return the detection with its mean colour shifted by `shift`, kept within 0..1."""
     red, green, blue = (float(value) for value in np.clip(np.add(detection.rgb, shift), 0.0, 1.0))
     return detection.model_copy(update={"rgb": (red, green, blue)})
 
 
 def _confused(detection: Detection, names: list[str], right: float, draws: Generator) -> Detection:
-    """Return the detection, or with probability 1 - `right` one whose likelihood is highest for another type."""
+    """Return the detection; with probability 1 - `right`, its highest likelihood goes to another type."""
     luck, choice = draws.random(2)
     likelihood = dict(detection.type_log_likelihood)
     best = likeliest(likelihood)
@@ -72,7 +72,7 @@ def _confused(detection: Detection, names: list[str], right: float, draws: Gener
 def _false_alarms(
     seen: Seen, names: list[str], types: dict[str, ObjectType], rate: float, told: NoiseModel, draws: Generator
 ) -> list[Detection]:
-    """Return detections of nothing, at visible places of the supports, of random type, heading and colour."""
+    """Return false detections at visible places of the supports, of random type, heading and colour."""
     if not seen.supports or not names:
         return []
     return [_false_alarm(seen, names, types, told, draws) for _ in range(draws.poisson(rate))]
@@ -81,7 +81,7 @@ def _false_alarms(
 def _false_alarm(
     seen: Seen, names: list[str], types: dict[str, ObjectType], told: NoiseModel, draws: Generator
 ) -> Detection:
-    """Return one detection as it would be if a thing of a random type stood at a random visible place."""
+    """Return one false detection, as of an object of a random type at a random visible place."""
     places = np.concatenate([support.points for support in seen.supports])
     x, y, z = (float(value) for value in places[draws.integers(len(places))])
     claimed = types[names[int(draws.integers(len(names)))]]
