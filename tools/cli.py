@@ -1,6 +1,6 @@
 """The `skolem` command: which verbs there are, each imported when it is used and not before.
 
-May import: explain, files, replay, rules, run, show, sweep, view.
+May import: explain, files, generate, replay, rules, run, show, sweep, view.
 """
 
 import difflib
@@ -44,6 +44,10 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "explain": (
         "skolem.tools.explain.command",
         "Explain one decision of a run: why this object, why this action, why plans were dropped, why the run ended.",
+    ),
+    "generate": (
+        "skolem.tools.generate.command",
+        "Draw a random scenario of a family, with a known answer.",
     ),
     "rules": (
         "skolem.tools.rules.command",

@@ -170,6 +170,13 @@ def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | 
     return None if root is None else _subject(root, belief.anchors()) or ""
 
 
+def all_achieving(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> tuple[str, ...]:
+    """Return every object that makes the goal hold in a belief, each once; a goal that names none gives `("",)`."""
+    posed = PosedGoal(goal, rulebook, Denotations(goal.expressions, rulebook), belief, None, Mutexes([]))
+    holding = (root for root in posed.instantiations if posed.holds_all(root))
+    return tuple(dict.fromkeys(_subject(root, belief.anchors()) or "" for root in holding))
+
+
 def nearness(conjuncts: Mapping[str, float], anchor: str, belief: BeliefQueries) -> tuple[bool, float, float]:
     """Return a sort key for how near an object is to the descriptions of a goal.
 

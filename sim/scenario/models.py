@@ -243,6 +243,33 @@ class InitialBelief(Model):
     regions: tuple[BelievedRegion, ...] = ()
 
 
+class Witness(Model):
+    """A thing that a variable of the goal may stand for, with what shows that the goal can be achieved with it."""
+
+    variable: Annotated[str, Field(description="of the goal")]
+    thing: Annotated[Name, Field(description="an object of the world")]
+    margin_sd: Annotated[NonNegative, Field(description="how surely it fits, in deviations of one sensor reading")]
+    stand: Annotated[BasePose, Field(description="where the base can stand so that an arm reaches it")]
+    cleared: Annotated[tuple[Name, ...], Field(description="what is put aside before, in this order")] = ()
+    room: Annotated[Place | None, Field(description="a free place on the goal's table; null: none is needed")] = None
+
+
+class Certificate(Model):
+    """The known answer of a drawn world, from its truth alone."""
+
+    family: str
+    variant: str
+    seed: Count
+    retries: Annotated[Count, Field(description="attempts that were dropped: no place found, or no answer shown")]
+    witnesses: Annotated[tuple[Witness, ...], Field(description="one for each variable of the goal")] = ()
+    impossible: Annotated[
+        Literal["nothing_fits", "nothing_reached", "no_room"] | None, Field(description="why there are no witnesses")
+    ] = None
+    off_m: Annotated[NonNegative, Field(description="how far beside the truth the told places are")] = 0.0
+    noise: Annotated[Positive, Field(description="times the usual deviations of sensors and wheels")] = 1.0
+    noise_told: Annotated[bool, Field(description="whether the robot is told so")] = True
+
+
 class Expect(Model):
     """How the run should end."""
 
@@ -250,6 +277,7 @@ class Expect(Model):
     chosen: str | None = None
     operators: tuple[str, ...] = ()
     replans_at_least: Count = 0
+    certificate: Annotated[Certificate | None, Field(description="of a world drawn by `skolem generate`")] = None
 
 
 class Scenario(Model):

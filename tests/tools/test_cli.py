@@ -31,6 +31,7 @@ JSON_FIELDS = [
     "status",
     "believed",
     "true",
+    "own",
     "reason",
     "anchor",
     "witness",

@@ -1,6 +1,6 @@
 """The loop observe, update, decide, act: `Mind`, `World`, what a run is made of, and the verdict.
 
-May import: reasoner.lint, sim.robot, sim.scenario, traces.file.
+May import: reasoner.lint, sim.families, sim.robot, sim.scenario, traces.file.
 """
 
 import lazy_loader

@@ -17,7 +17,7 @@ from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.setup import Setup, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import LOADING, PHYSICS, RECORDING, SENSING, Stopwatch
-from skolem.tools.loop.verdict import verdict
+from skolem.tools.loop.verdict import own_makes_it_true, verdict
 from skolem.tools.loop.worlds import World, WorldStart
 from skolem.traces import TraceWriter, messages
 from skolem.traces.file.environment import environment
@@ -61,6 +61,7 @@ class Outcome:
     Attributes:
         end: Why it ended; None while it goes on, and if it was cut short.
         verdict: Whether the goal is true in the world; None if the run was cut short.
+        own: Whether it is true of the object that the robot has in mind; None if the run was cut short.
         actions: Executed actions.
         replans: How often plans were dropped because what they needed was no longer believed, or found impossible.
         clingo_calls: Calls of the rules.
@@ -72,6 +73,7 @@ class Outcome:
 
     end: RunEnd | None = None
     verdict: messages.Verdict | None = None
+    own: bool | None = None
     actions: int = 0
     replans: int = 0
     clingo_calls: int = 0
@@ -129,6 +131,7 @@ class _Run:
         self._setup, self._watcher, self._watch, self._outcome = setup, watcher, watch, outcome
         self._writer = writer
         self._tick: Callable[[], int] = lambda: 0
+        self._believed: messages.Belief | None = None
 
     def to_the_end(self) -> None:
         """Start, loop, judge."""
@@ -170,6 +173,7 @@ class _Run:
         """Record what the mind thinks, and show the belief before the decision is taken."""
         self._write(topic, message)
         if isinstance(message, messages.Belief):
+            self._believed = message
             self._watcher.believed(message, self._tick())
 
     def _act(self, world: World, mind: Mind, action: Action) -> None:
@@ -190,7 +194,10 @@ class _Run:
     def _judge(self, world: World, step: int, end: RunEnd) -> None:
         """Compare what the robot believes with the truth, and record both."""
         setup = self._setup
-        self._outcome.verdict = verdict(setup.goal, setup.rulebook, world.state(step), setup.types)
+        state, rulebook = world.state(step), setup.rulebook
+        self._outcome.verdict = verdict(setup.goal, rulebook, state, setup.types)
+        assert self._believed is not None, "a run that ends by itself has taken a decision"
+        self._outcome.own = own_makes_it_true(setup.goal, rulebook, state, setup.types, self._believed, end.anchor)
         self._write("/truth/verdict", self._outcome.verdict)
         self._close_step(step)
         self._write("/run/end", end)

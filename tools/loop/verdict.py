@@ -9,10 +9,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from skolem.reasoner import Goal, Normal, PlainBelief
-from skolem.reasoner.planning.goals import achieved_by
+from skolem.reasoner.planning.goals import achieved_by, all_achieving
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.space.footprints import footprint, overhang
 from skolem.traces.messages import (
+    Belief,
     Hand,
     HsvVolume,
     Meaning,
@@ -94,6 +95,47 @@ def verdict(goal: Goal, rulebook: Rulebook, state: TrueState, types: Mapping[str
     """Return whether the goal holds of the true state, and of which object."""
     witness = achieved_by(goal, rulebook, Truth(state, types))
     return Verdict(true=witness is not None, witness=witness or None)
+
+
+def own_makes_it_true(
+    goal: Goal,
+    rulebook: Rulebook,
+    state: TrueState,
+    types: Mapping[str, ObjectType],
+    belief: Belief,
+    anchor: str | None,
+) -> bool:
+    """Return whether the goal is true of the very object that the robot has in mind, and not of another one alone.
+
+    Of a goal with several variables the first described object counts; one without variables is nobody else's.
+
+    Args:
+        goal: What was to be achieved.
+        rulebook: The rules.
+        state: The true state at the end.
+        types: Every object type.
+        belief: The last belief of the run.
+        anchor: What the robot has in mind; None if that is nothing.
+    """
+    achieving = all_achieving(goal, rulebook, Truth(state, types))
+    if not goal.variables or "" in achieving:
+        return bool(achieving)
+    return anchor is not None and meant_by(anchor, belief, state, types) in achieving
+
+
+def meant_by(anchor: str, belief: Belief, state: TrueState, types: Mapping[str, ObjectType]) -> str | None:
+    """Return the true object that an anchor stands for; None if there is none.
+
+    A name that was given from outside stands for what has it. The robot's own names stand for the thing that can be
+    lifted and is nearest to where the robot believes its object to be.
+    """
+    names = {item.id for item in state.objects}
+    if anchor in names or anchor not in belief.objects:
+        return anchor if anchor in names else None
+    there = belief.objects[anchor].world_T_object
+    movable = [item for item in state.objects if types[item.type].graspable]
+    nearest = min(movable, key=lambda item: (math.dist(item.world_T_object[:3], there[:3]), item.id), default=None)
+    return None if nearest is None else nearest.id
 
 
 def _has(item: TrueObject, meaning: Meaning) -> bool:

@@ -78,6 +78,7 @@ def summary(setup: Setup, outcome: Outcome, status: RunStatus, reason: str, trac
         "status": status,
         "believed": status == "goal_achieved",
         "true": None if judged is None else judged.true,
+        "own": outcome.own,
         "reason": reason,
         "anchor": None if end is None else end.anchor,
         "witness": None if judged is None else judged.witness,
@@ -113,7 +114,8 @@ def verdict_lines(outcome: Outcome, status: RunStatus, reason: str, trace: Path,
             lines += explanation(outcome.end)
     if outcome.verdict is not None:
         witness = f" ({outcome.verdict.witness})" if outcome.verdict.witness else ""
-        lines.append(f"true in the simulator: {'yes' + witness if outcome.verdict.true else 'no'}")
+        other = ", but not of the object that the robot has in mind" if outcome.verdict.true and not outcome.own else ""
+        lines.append(f"true in the simulator: {'yes' + witness + other if outcome.verdict.true else 'no'}")
     if outcome.content_hash:
         lines.append(f"trace: {trace} (content {outcome.content_hash[:12]})")
     return "\n".join(lines).splitlines()

@@ -15,8 +15,16 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 
 @app.command()
 def sweep(
-    scenarios: Annotated[list[Path], typer.Argument(help="Scenario files.")],
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder for traces and tables.")],
+    scenarios: Annotated[list[Path] | None, typer.Argument(help="Scenario files.")] = None,
+    family: Annotated[
+        list[str] | None,
+        typer.Option(help="Run the worlds that `skolem generate` draws: one for each seed; repeatable."),
+    ] = None,
+    bound: Annotated[
+        float | None,
+        typer.Option(help="How sure the robot must be in those worlds, instead of a drawn probability."),
+    ] = None,
     seeds: Annotated[str, typer.Option(metavar="A-B", help="First and last seed.")] = "0-19",
     workers: Annotated[
         int | None, typer.Option(min=1, max=1024, help="Processes of this machine, each doing one run at a time; 2.")
@@ -49,7 +57,9 @@ def sweep(
     try:
         if workers is not None and scheduler is not None:
             raise InputError([Fault("--scheduler", 0, 0, "give --workers or --scheduler, not both")])
-        plan = sweeping.plan(scenarios, sweeping.seed_range(seeds), world, set_ or [])
+        if bound is not None and not family:
+            raise InputError([Fault("--bound", 0, 0, "is of worlds of a family; give --family, or change the goal")])
+        plan = sweeping.plan(scenarios or [], sweeping.seed_range(seeds), world, set_ or [], family or [], bound)
         raise typer.Exit(sweeping.execute(plan, out, workers or 2, scheduler, write, json, quiet))
     except InputError as error:
         if json:

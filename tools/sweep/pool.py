@@ -102,7 +102,7 @@ def _finished(future: Future[Finished], task: Task) -> Finished:
         if isinstance(error, KilledWorker)
         else f"{type(error).__name__}: {error}"
     )
-    return Finished(lost_row(task.start, reason), b"")
+    return Finished(lost_row(task.start, task.expected, reason), b"")
 
 
 def _refused(said: str) -> InputError:

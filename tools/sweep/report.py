@@ -6,7 +6,7 @@ import platform
 import re
 import statistics
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from skolem.reasoner import Goal
@@ -17,7 +17,11 @@ from skolem.tools.sweep.rows import Row
 from skolem.traces.messages import RunStatus
 
 CONFIDENCE = 0.95  # of the intervals
-ACHIEVED: RunStatus = "goal_achieved"
+ENDS: Mapping[RunStatus, str] = {
+    "goal_unachievable": "given up as impossible",
+    "limit_reached": "ended at a limit",
+    "error": "ended by an internal error",
+}
 DIGITS = 12  # of the hash of rules and program
 MANY = 10  # failures that say the same and are told in one line
 COUNTS: tuple[tuple[str, Callable[[Row], float]], ...] = (
@@ -38,36 +42,45 @@ RECORDS: tuple[tuple[str, Callable[[Row], float]], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The runs of one scenario.
+    """The runs of one scenario, or of one family.
 
     Attributes:
-        name: Of the scenario.
-        file: The file it was read from, as the command that is shown calls it.
+        name: Of the scenario or family.
+        source: What the command that is shown calls it: the file it was read from, or an option.
         world: Which simulator.
         overrides: What was changed of the scenario.
-        goal: What was to be achieved.
-        expected: How the scenario says that runs end.
+        goals: What was to be achieved, by seed.
         rows: The runs, by seed.
     """
 
     name: str
-    file: str
+    source: str
     world: str
     overrides: Sequence[str]
-    goal: Goal
-    expected: RunStatus
+    goals: Mapping[int, Goal]
     rows: Sequence[Row]
 
     @property
+    def goal(self) -> Goal | None:
+        """The goal of every run; None if there are several."""
+        first, *others = dict.fromkeys(self.goals.values())
+        return None if others else first
+
+    @property
     def as_expected(self) -> int:
-        """How many runs ended as the scenario says."""
-        return sum(row.status == self.expected for row in self.rows)
+        """How many runs ended as their scenario says."""
+        return sum(row.status == row.expected for row in self.rows)
+
+    @property
+    def achievable(self) -> list[Row]:
+        """The runs whose goal can be achieved, as their scenario says."""
+        return [row for row in self.rows if row.achievable]
 
     @property
     def command(self) -> str:
         """What makes these runs."""
         seeds = sorted(row.seed for row in self.rows)
-        words = [f"skolem sweep {self.file}", f"--seeds {_ranges(seeds)}", f"--world {self.world}"]
+        words = [f"skolem sweep {self.source}", f"--seeds {_ranges(seeds)}", f"--world {self.world}"]
         return " ".join([*words, *(f"--set {override}" for override in self.overrides), "-o DIR"])
 
     @property
@@ -118,17 +131,25 @@ def _overview(parts: Sequence[Part]) -> str:
         "",
         "Of a run: medians.",
         "",
-        "| scenario | runs | ended as expected | believed | of these true | actions | wall time, s | simulated over "
-        "wall time |",
-        "|---|---|---|---|---|---|---|---|",
+        "| scenario | runs | ended as expected | achieved of achievable | believed | of these true | true of another "
+        "object | actions | wall time, s | simulated over wall time |",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for part in parts:
         believed, true = sum(row.believed for row in part.rows), sum(row.succeeded for row in part.rows)
         ended = [row for row in part.rows if row.status != "error"]
         medians = [_median(ended, lambda row: row.actions), _median(ended, lambda row: row.seconds["total"])]
-        counts = f"{part.name} | {len(part.rows)} | {part.as_expected} | {believed} | {true}"
+        another, could = sum(map(_of_another, part.rows)), part.achievable
+        achieved = f"{sum(row.succeeded for row in could)} of {len(could)}"
+        ends = f"{part.as_expected} | {achieved} | {believed} | {true} | {another}"
+        counts = f"{part.name} | {len(part.rows)} | {ends}"
         lines.append(f"| {counts} | {' | '.join(medians)} | {_median(ended, _speed)} |")
     return "\n".join([*lines, ""])
+
+
+def _of_another(row: Row) -> bool:
+    """Return whether the goal is believed and true, but not of the object that the robot has in mind."""
+    return row.believed and row.true is True and not row.own
 
 
 def _speed(row: Row) -> float:
@@ -144,10 +165,11 @@ def section(part: Part) -> str:
     """Return the account of one scenario."""
     rows = part.rows
     ended = [row for row in rows if row.status != "error"]
-    lines = [f"## {part.title}", "", f"Goal: `{part.goal}`", "", *_shares(part), ""]
+    asked = f"Goal: `{part.goal}`" if part.goal else f"{len(part.goals)} worlds, each with a goal and an answer."
+    lines = [f"## {part.title}", "", asked, "", *_shares(part), ""]
     if ended:
         lines += [*_efforts(ended), "", _variety(rows), ""]
-    failed = [row for row in rows if not row.succeeded]
+    failed = [row for row in rows if not row.well_ended]
     lines += [*_failures(failed), *([""] if failed else [])]
     if rows:
         lines += [f"<sub>`{part.command}`; rules and program {SOURCE_SHA256[:DIGITS]}</sub>", ""]
@@ -159,7 +181,11 @@ def line(part: Part) -> str:
     rows, believed = part.rows, sum(row.believed for row in part.rows)
     true = sum(row.succeeded for row in part.rows)
     effort = f"median {_number(statistics.median(row.actions for row in rows))} actions" if rows else "nothing done"
-    return f"{part.title}: {believed} of {len(rows)} believed, {true} of these true; {effort}"
+    could = part.achievable
+    shares = f"{believed} of {len(rows)} believed, {true} of these true"
+    if part.goal is None:
+        shares = f"{sum(row.succeeded for row in could)} of {len(could)} achieved that can be; {shares}"
+    return f"{part.title}: {shares}; {effort}"
 
 
 def with_section(text: str, key: str, section: str) -> str:
@@ -174,21 +200,43 @@ def with_section(text: str, key: str, section: str) -> str:
 
 def _shares(part: Part) -> list[str]:
     """Return success and calibration as a table."""
-    rows, floor = part.rows, promised(part.goal)
+    rows, could = part.rows, part.achievable
     believed, succeeded = sum(row.believed for row in rows), sum(row.succeeded for row in rows)
     unaware = sum(row.true is True and not row.believed for row in rows)
+    floor = None if part.goal is None else promised(part.goal)
     return [
         f"| of {len(rows)} runs | number | share | {CONFIDENCE:.0%} interval |",
         "|---|---|---|---|",
-        *(
-            []
-            if part.expected == ACHIEVED
-            else [_share(f"ended as expected: {part.expected}", part.as_expected, len(rows))]
-        ),
+        *_of_the_answer(part),
         _share("goal believed achieved", believed, len(rows)),
         _share("believed and true", succeeded, len(rows)),
+        _share("believed, but true of another object alone", sum(map(_of_another, rows)), len(rows)),
         _share("true but not believed", unaware, len(rows)),
         _share("true among the believed" + (f" (promised: {floor:.0%})" if floor else ""), succeeded, believed),
+        *([] if part.goal and len(could) == len(rows) else _ends(part)),
+    ]
+
+
+def _of_the_answer(part: Part) -> list[str]:
+    """Return how often what can be achieved was, and what cannot was found out, where not every goal can be."""
+    could, rows = part.achievable, part.rows
+    if part.goal and len(could) == len(rows):
+        return []
+    hopeless = [row for row in rows if not row.achievable]
+    if part.goal:
+        return [_share(f"ended as expected: {hopeless[0].expected}", part.as_expected, len(rows))]
+    return [
+        _share("achieved, of the achievable", sum(row.succeeded for row in could), len(could)),
+        _share("found impossible, of the impossible", sum(row.well_ended for row in hopeless), len(hopeless)),
+    ]
+
+
+def _ends(part: Part) -> list[str]:
+    """Return how the achievable runs ended that achieved nothing: to give up is a failure there."""
+    could = part.achievable
+    return [
+        _share(f"achievable, but {said}", sum(row.status == status for row in could), len(could))
+        for status, said in ENDS.items()
     ]
 
 
@@ -249,6 +297,8 @@ def _failures(rows: Sequence[Row]) -> list[str]:
 
 def _why(row: Row) -> str:
     """Return why a run did not succeed."""
+    if _of_another(row):
+        return f"believed of {row.anchor}, but true of {row.witness} alone"
     return "believed, but not true" if row.believed else f"{row.status}: {' '.join(row.reason.split())}"
 
 

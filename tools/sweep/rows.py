@@ -6,7 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
+from skolem.tools.loop.setup import Setup
 from skolem.tools.loop.stopwatch import PARTS
+from skolem.tools.loop.verdict import own_makes_it_true
 from skolem.traces import Trace
 from skolem.traces.errors import TraceError
 from skolem.traces.messages import (
@@ -14,12 +16,14 @@ from skolem.traces.messages import (
     TICKS_PER_SECOND,
     Action,
     ActionResult,
+    Belief,
     Decision,
     Perf,
     Plan,
     RunEnd,
     RunStart,
     RunStatus,
+    TrueState,
     Verdict,
 )
 
@@ -37,6 +41,8 @@ class Row:
         status: How the run ended.
         believed: Whether the robot believes its goal achieved.
         true: Whether the goal is true in the simulator; None if the run was cut short.
+        own: Whether it is true of the object that the robot has in mind; None if the run was cut short.
+        expected: How the scenario says that the run ends.
         actions: Executed actions.
         replans: How often plans were dropped.
         clingo_calls: Calls of the rules.
@@ -60,6 +66,8 @@ class Row:
     status: RunStatus
     believed: bool
     true: bool | None
+    own: bool | None
+    expected: RunStatus
     actions: int
     replans: int
     clingo_calls: int
@@ -78,8 +86,18 @@ class Row:
 
     @property
     def succeeded(self) -> bool:
-        """Whether the goal is believed and true."""
-        return self.believed and self.true is True
+        """Whether the goal is believed, and true of the object that the robot has in mind."""
+        return self.believed and self.own is True
+
+    @property
+    def achievable(self) -> bool:
+        """Whether the scenario says that the goal can be achieved."""
+        return self.expected == "goal_achieved"
+
+    @property
+    def well_ended(self) -> bool:
+        """Whether the run achieved what can be achieved, or said that nothing can be where that is so."""
+        return self.succeeded if self.achievable else self.status == self.expected
 
     def facts(self) -> dict[str, object]:
         """Return every field that is the same on every repetition, by name, in order."""
@@ -89,12 +107,18 @@ class Row:
 FACTS = tuple(field.name for field in fields(Row) if field.name not in ("size_bytes", "seconds"))
 
 
-def read_row(trace: Trace, name: str) -> Row:
+def expected_of(setup: Setup) -> RunStatus:
+    """Return how the scenario says that its runs end."""
+    return "goal_achieved" if setup.scenario.expect is None else setup.scenario.expect.status
+
+
+def read_row(trace: Trace, name: str, setup: Setup) -> Row:
     """Return the row of a complete trace.
 
     Args:
         trace: The trace.
         name: What the table calls it.
+        setup: What the run was made of.
 
     Raises:
         TraceError: If the trace has no start or no end, or is not sound.
@@ -111,6 +135,8 @@ def read_row(trace: Trace, name: str) -> Row:
         status=end.status,
         believed=end.status == "goal_achieved",
         true=None if judged is None else judged.true,
+        own=None if judged is None else _own(trace, end, setup),
+        expected=expected_of(setup),
         actions=sum(1 for _ in trace.of(ActionResult)),
         replans=sum(plan.cause in DROPPED for plan in trace.of(Plan)),
         clingo_calls=sum(decision.clingo_calls for decision in trace.of(Decision)),
@@ -129,11 +155,18 @@ def read_row(trace: Trace, name: str) -> Row:
     )
 
 
+def _own(trace: Trace, end: RunEnd, setup: Setup) -> bool:
+    """Return whether the goal is true of the object that the robot has in mind."""
+    *_, state = trace.of(TrueState)
+    *_, belief = trace.of(Belief)
+    return own_makes_it_true(setup.goal, setup.rulebook, state, setup.types, belief, end.anchor)
+
+
 def _shares(probabilities: Mapping[str, float]) -> tuple[str, ...]:
     return tuple(f"{name} {p:.2f}" for name, p in probabilities.items())
 
 
-def lost_row(start: RunStart, reason: str) -> Row:
+def lost_row(start: RunStart, expected: RunStatus, reason: str) -> Row:
     """Return the row of a run that left no trace."""
     return Row(
         scenario=start.scenario,
@@ -142,6 +175,8 @@ def lost_row(start: RunStart, reason: str) -> Row:
         status="error",
         believed=False,
         true=None,
+        own=None,
+        expected=expected,
         actions=0,
         replans=0,
         clingo_calls=0,

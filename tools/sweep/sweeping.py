@@ -7,31 +7,47 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
+from skolem.tools.loop.families import drawn_setup, refuse_unknown
 from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.sweep.progress import progress_for
-from skolem.tools.sweep.report import ACHIEVED, Part, line, sections, summary, with_section
+from skolem.tools.sweep.report import Part, line, sections, summary, with_section
 from skolem.tools.sweep.rows import Row, put, results_csv, times_csv
 from skolem.tools.sweep.task import Task, done_before, tasks_of
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.interrupts import interrupts_held
-from skolem.traces.messages import RunStatus
 
 INTERRUPTED = 130
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
-    """What a sweep is to do.
+class Group:
+    """What one account is of: a scenario for many seeds, or the scenarios that a family has for them.
 
     Attributes:
-        setups: The scenarios, found without fault, by name.
+        name: Of the account.
+        source: What the command line calls it: a file, or a family.
+        setups: The scenario of each seed, found without fault.
         overrides: What was changed of each of them.
-        tasks: A run per scenario and seed, sorted by both.
+        tasks: A run for each seed, in order.
     """
 
-    setups: dict[str, Setup]
+    name: str
+    source: str
+    setups: Mapping[int, Setup]
     overrides: Sequence[str]
     tasks: Sequence[Task]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What a sweep is to do: groups by name."""
+
+    groups: Sequence[Group]
+
+    @property
+    def tasks(self) -> list[Task]:
+        """Return every run, by group and seed."""
+        return [task for group in self.groups for task in group.tasks]
 
 
 def seed_range(text: str) -> range:
@@ -47,13 +63,34 @@ def seed_range(text: str) -> range:
     return seeds
 
 
-def plan(files: Sequence[Path], seeds: range, world: str, overrides: Sequence[str]) -> Plan:
+def plan(
+    files: Sequence[Path],
+    seeds: range,
+    world: str,
+    overrides: Sequence[str],
+    families: Sequence[str] = (),
+    bound: float | None = None,
+) -> Plan:
     """Return what there is to do.
 
+    Args:
+        files: Scenarios, each run for every seed.
+        seeds: Of the runs, and of the worlds of families.
+        world: Which simulator.
+        overrides: Changes of every scenario.
+        families: Whose world of each seed is run once.
+        bound: How sure the robot must be in worlds of families, instead of what is drawn.
+
     Raises:
-        InputError: With every fault of every scenario, or if two have the same name.
+        InputError: With every fault of every scenario, or if two have the same name, or if there is nothing to do.
     """
-    setups: dict[str, Setup] = {}
+    if not files and not families:
+        raise InputError([Fault("SCENARIOS", 0, 0, "give scenario files or --family")])
+    for i, family in enumerate(families):
+        refuse_unknown(family)
+        if family in families[:i]:
+            raise InputError([Fault("--family", 0, 0, f"'{family}' was given already")])
+    groups: dict[str, Group] = {}
     faults: list[Fault] = []
     for file in files:
         try:
@@ -62,13 +99,29 @@ def plan(files: Sequence[Path], seeds: range, world: str, overrides: Sequence[st
             faults += error.faults
             continue
         name = setup.scenario.name
-        if name in setups:
+        if name in groups:
             faults.append(Fault(str(file), 0, 0, f"the scenario '{name}' was given already", at="name"))
-        setups[name] = setup
+        groups[name] = Group(name, str(file), dict.fromkeys(seeds, setup), overrides, tasks_of(setup, overrides, seeds))
+    for family in families:
+        if family in groups:
+            faults.append(Fault("--family", 0, 0, f"'{family}' was given already"))
+        elif not faults:
+            groups[family] = _of_family(family, seeds, world, overrides, bound)
     if faults:
         raise InputError(faults)
-    tasks = [task for name in sorted(setups) for task in tasks_of(setups[name], overrides, seeds)]
-    return Plan(setups, overrides, tasks)
+    return Plan([groups[name] for name in sorted(groups)])
+
+
+def _of_family(family: str, seeds: range, world: str, overrides: Sequence[str], bound: float | None) -> Group:
+    """Return the worlds of a family, each with its one run."""
+    setups, tasks = {}, []
+    changed = [*overrides, *([] if bound is None else [f"bound {bound:g}"])]
+    for seed in seeds:
+        setups[seed] = drawn_setup(family, seed, bound, overrides, world)
+        tasks += tasks_of(setups[seed], changed, range(seed, seed + 1))
+    source = f"--family {family}" + ("" if bound is None else f" --bound {bound:g}")
+    name = family if bound is None else f"{family}, bound {bound:g}"
+    return Group(name, source, setups, overrides, tasks)
 
 
 def execute(
@@ -80,7 +133,12 @@ def execute(
         InputError: If the tables could not be written in the end.
     """
     _check_places(out, write)
-    rows = {task.name: row for task in plan.tasks if (row := done_before(task, out)) is not None}
+    rows = {
+        task.name: row
+        for group in plan.groups
+        for task in group.tasks
+        if (row := done_before(task, group.setups[task.start.seed], out)) is not None
+    }
     interrupted = False
     try:
         _do_the_others(plan, out, rows, workers, scheduler, quiet)
@@ -142,25 +200,18 @@ def _do_the_others(
 
 
 def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
-    """Return the rows there are, by scenario and seed."""
-    found = [rows[task.name] for task in plan.tasks if task.name in rows]
+    """Return the rows there are, by group and seed."""
     return [
         Part(
-            name=name,
-            file=setup.document.file,
-            world=setup.world.name,
-            overrides=plan.overrides,
-            goal=setup.goal,
-            expected=_expected(setup),
-            rows=[row for row in found if row.scenario == name],
+            name=group.name,
+            source=group.source,
+            world=next(iter(group.setups.values())).world.name,
+            overrides=group.overrides,
+            goals={seed: setup.goal for seed, setup in group.setups.items()},
+            rows=[rows[task.name] for task in group.tasks if task.name in rows],
         )
-        for name, setup in sorted(plan.setups.items())
+        for group in plan.groups
     ]
-
-
-def _expected(setup: Setup) -> RunStatus:
-    """Return how the scenario says that its runs end."""
-    return ACHIEVED if setup.scenario.expect is None else setup.scenario.expect.status
 
 
 def _write_tables(parts: Sequence[Part], out: Path, write: Path | None) -> None:

@@ -18,10 +18,10 @@ from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import Setup, compose, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import LOADING, Stopwatch
-from skolem.tools.sweep.rows import Row, read_row
+from skolem.tools.sweep.rows import Row, expected_of, read_row
 from skolem.traces import Trace
 from skolem.traces.errors import InputError, SkolemError, TraceError
-from skolem.traces.messages import RunStart
+from skolem.traces.messages import RunStart, RunStatus
 
 BY_ITSELF = frozenset({"goal_achieved", "goal_unachievable", "limit_reached"})  # ends that another attempt would repeat
 HASH_DIGITS = 8
@@ -40,6 +40,7 @@ class Task:
         scenario: Text of the scenario file, overrides applied.
         rules: Name and content of the scenario's own rule files.
         start: What the trace must begin with.
+        expected: How the scenario says that the run ends.
         source: The program that asks.
     """
 
@@ -47,6 +48,7 @@ class Task:
     scenario: str
     rules: tuple[tuple[str, bytes], ...]
     start: RunStart
+    expected: RunStatus
     source: str
 
 
@@ -77,13 +79,14 @@ def tasks_of(setup: Setup, overrides: Sequence[str], seeds: range) -> list[Task]
             scenario=text,
             rules=rules,
             start=start.model_copy(update={"seed": seed}),
+            expected=expected_of(setup),
             source=SOURCE_SHA256,
         )
         for seed in seeds
     ]
 
 
-def done_before(task: Task, folder: Path) -> Row | None:
+def done_before(task: Task, setup: Setup, folder: Path) -> Row | None:
     """Return the row of the run's trace in `folder`, or None if it has to be done.
 
     A trace counts if it is whole, was made of the same scenario, rules, robot and seed by the same program, and the run
@@ -95,7 +98,7 @@ def done_before(task: Task, folder: Path) -> Row | None:
     try:
         trace = Trace(path)
         same = next(trace.of(RunStart), None) == task.start and trace.metadata["env"].get("source") == task.source
-        row = read_row(trace, task.name) if same else None
+        row = read_row(trace, task.name, setup) if same else None
     except TraceError:
         return None
     return row if row is not None and row.status in BY_ITSELF else None
@@ -136,7 +139,7 @@ def perform(task: Task, folder: Path) -> Finished:
     except Exception:
         if not path.exists():
             raise
-    return Finished(read_row(Trace(path), task.name), path.read_bytes())
+    return Finished(read_row(Trace(path), task.name, setup), path.read_bytes())
 
 
 @cache

@@ -1,12 +1,13 @@
 """The goal read against the truth: by the robot's own denotation, with probabilities 0 and 1."""
 
 import pytest
+from kit.believed_scenes import belief, believed
 
 from skolem.reasoner.language.parser import parse_goal
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.protocols import BeliefQueries
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.tools.loop.verdict import Truth, verdict
+from skolem.tools.loop.verdict import Truth, meant_by, own_makes_it_true, verdict
 from skolem.traces.messages import HsvVolume, TrueObject, TrueState, TypeIs, Verdict, WeightInterval
 
 TABLE = TrueObject(id="table1", type="table", world_T_object=(1.3, 0.0, 0.0, 0.0), hsv=(0.1, 0.5, 0.6), kg=30.0)
@@ -95,3 +96,41 @@ def test_truth_answers_every_query_with_certainty() -> None:
     for quantity in ("pose", "colour", "weight"):
         assert not truth.gaussian(quantity, "sodaE").covariance.any()
         assert not truth.observation_covariance(quantity, "sodaE").any()
+
+
+# ---------------------------------------------------------------- whose goal it is
+
+OWN_NAME = believed("soda", (1.12, 0.19, 0.68, 0.0))  # near the green one, under a name of the robot's own
+
+
+def own(rulebook: Rulebook, anchor: str | None, *objects: TrueObject, goal: str = GOAL) -> bool:
+    vocabulary, told = rulebook.vocabulary, belief({"_o1_": OWN_NAME})
+    read = parse_goal(goal, vocabulary.words())
+    return own_makes_it_true(read, rulebook, state(*objects), vocabulary.types, told, anchor)
+
+
+def test_a_goal_that_another_object_makes_true_is_not_the_robots_own(rulebook: Rulebook) -> None:
+    assert own(rulebook, "sodaC", RED, GREEN)
+    assert not own(rulebook, "sodaE", RED, GREEN)
+    assert not own(rulebook, None, RED, GREEN)
+    assert not own(rulebook, "ghost", RED, GREEN)
+
+
+def test_each_of_several_objects_that_make_a_goal_true_may_be_the_robots_own(rulebook: Rulebook) -> None:
+    second = GREEN.model_copy(update={"id": "sodaX", "world_T_object": (1.1, -0.3, 0.68, 0.0)})
+    assert judged(rulebook, GOAL, GREEN, second).witness == "sodaC"
+    assert own(rulebook, "sodaX", GREEN, second)
+
+
+def test_a_name_of_the_robots_own_means_the_nearest_thing_that_can_be_lifted(rulebook: Rulebook) -> None:
+    told, types = belief({"_o1_": OWN_NAME}), rulebook.vocabulary.types
+    assert meant_by("_o1_", told, state(RED, GREEN), types) == "sodaC"
+    assert meant_by("_o1_", told, state(RED), types) == "sodaE"
+    assert meant_by("_o1_", told, state(), types) is None
+    assert own(rulebook, "_o1_", RED, GREEN)
+
+
+def test_a_goal_without_variables_is_the_robots_own_if_it_is_true(rulebook: Rulebook) -> None:
+    named = "B(On(sodaC, table1), 0.9)"
+    assert own(rulebook, None, GREEN, goal=named)
+    assert not own(rulebook, None, GREEN.model_copy(update={"on": "table2"}), goal=named)

@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
@@ -19,7 +20,7 @@ from distributed import Client
 from kit.places import ROOT
 
 from skolem.tools import cli
-from skolem.tools.loop.setup import prepare
+from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.loop.stopwatch import PARTS
 from skolem.tools.sweep.rows import Row, results_csv, times_csv
 from skolem.tools.sweep.sweeping import seed_range
@@ -68,8 +69,12 @@ def table(out: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+def setup() -> Setup:
+    return prepare(GREEN, [SHORT], world="symbolic")
+
+
 def task(seed: int = 0) -> Task:
-    return tasks_of(prepare(GREEN, [SHORT], world="symbolic"), [SHORT], range(seed, seed + 1))[0]
+    return tasks_of(setup(), [SHORT], range(seed, seed + 1))[0]
 
 
 # ---------------------------------------------------------------- one run
@@ -107,7 +112,7 @@ def test_a_run_that_raises_is_a_row_with_its_trace(monkeypatch: pytest.MonkeyPat
 
 def test_another_program_refuses_to_do_the_run(tmp_path: Path) -> None:
     made = task()
-    older = Task(made.name, made.scenario, made.rules, made.start, source="of last week")
+    older = replace(made, source="of last week")
     with pytest.raises(WorkerRefusedError, match="another version of skolem"):
         perform(older, tmp_path)
 
@@ -115,22 +120,22 @@ def test_another_program_refuses_to_do_the_run(tmp_path: Path) -> None:
 def test_only_a_whole_trace_of_the_same_run_counts_as_done(tmp_path: Path) -> None:
     made = task()
     path = tmp_path / made.name
-    assert done_before(made, tmp_path) is None
+    assert done_before(made, setup(), tmp_path) is None
     run = perform(made, tmp_path)
     path.write_bytes(run.trace)
-    assert done_before(made, tmp_path) == run.row
+    assert done_before(made, setup(), tmp_path) == run.row
     other_seed = made.start.model_copy(update={"seed": 5})
-    assert done_before(Task(made.name, made.scenario, made.rules, other_seed, made.source), tmp_path) is None
-    assert done_before(Task(made.name, made.scenario, made.rules, made.start, "of last week"), tmp_path) is None
+    assert done_before(replace(made, start=other_seed), setup(), tmp_path) is None
+    assert done_before(replace(made, source="of last week"), setup(), tmp_path) is None
     path.write_bytes(run.trace[:-100])
-    assert done_before(made, tmp_path) is None
+    assert done_before(made, setup(), tmp_path) is None
 
 
 def test_a_run_that_raised_is_tried_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     made = task()
     monkeypatch.setattr("skolem.sim.symbolic.world.SymbolicWorld.execute", lambda self, action: 1 / 0)
     (tmp_path / made.name).write_bytes(perform(made, tmp_path).trace)
-    assert done_before(made, tmp_path) is None
+    assert done_before(made, setup(), tmp_path) is None
 
 
 def test_wall_times_stay_out_of_the_table_of_results(tmp_path: Path) -> None:

@@ -26,6 +26,8 @@ def row(
         status=status,  # type: ignore[arg-type]
         believed=status == "goal_achieved",
         true=true,
+        own=true,
+        expected="goal_achieved",
         actions=len(ops),
         replans=1,
         clingo_calls=10,
@@ -45,7 +47,7 @@ def row(
 
 
 def part(*rows: Row) -> Part:
-    return Part("sim1", "scenarios/sim1.yaml", "symbolic", (), GOAL, "goal_achieved", rows)
+    return Part("sim1", "scenarios/sim1.yaml", "symbolic", (), {each.seed: GOAL for each in rows} or {0: GOAL}, rows)
 
 
 @pytest.mark.parametrize(
@@ -86,7 +88,9 @@ def test_every_failure_has_one_line_with_its_reason_and_trace() -> None:
 
 
 def test_runs_that_end_as_the_scenario_expects_are_counted() -> None:
-    text = section(replace(part(row(0, "goal_unachievable", true=False), row(1)), expected="goal_unachievable"))
+    text = section(
+        part(*(replace(each, expected="goal_unachievable") for each in (row(0, "goal_unachievable", False), row(1))))
+    )
     assert "| ended as expected: goal_unachievable | 1 of 2 | 50.0% |" in text
 
 
@@ -127,7 +131,10 @@ def test_several_scenarios_have_an_overview_before_them() -> None:
     one, other = part(row(0), row(1, true=False)), replace(part(row(0, "goal_unachievable"), row(1, "error")), name="z")
     (key, text), *rest = sections([one, other])
     assert (key, [found for found, _ in rest]) == ("overview symbolic", ["sim1 symbolic", "z symbolic"])
-    assert text.splitlines()[-2:] == ["| sim1 | 2 | 2 | 2 | 1 | 3 | 2 | 2 |", "| z | 2 | 0 | 0 | 0 | 3 | 2 | 2 |"]
+    assert text.splitlines()[-2:] == [
+        "| sim1 | 2 | 2 | 1 of 2 | 2 | 1 | 0 | 3 | 2 | 2 |",
+        "| z | 2 | 0 | 0 of 2 | 0 | 0 | 0 | 3 | 2 | 2 |",
+    ]
     assert [found for found, _ in sections([one])] == ["sim1 symbolic"]
 
 
@@ -154,3 +161,30 @@ def test_the_bar_shows_failures_above_it() -> None:
         bar.done(row(1, "limit_reached", False))
     assert said_of(row(1, "limit_reached", False)) in drawn.getvalue()
     assert "1 believed, 1 of them true" in drawn.getvalue()
+
+
+# ---------------------------------------------------------------- whose goal it is, and worlds with answers
+
+
+def test_a_goal_that_is_true_of_another_object_is_counted_apart() -> None:
+    other = replace(row(1), own=False, witness="sodaB")
+    text = section(part(row(0), other))
+    assert "| believed and true | 1 of 2 | 50.0% |" in text
+    assert "| believed, but true of another object alone | 1 of 2 | 50.0% |" in text
+    assert "- seed 1: believed of sodaC, but true of sodaB alone;" in text
+
+
+def test_to_give_up_is_a_failure_unless_the_answer_is_that_nothing_can_be_done() -> None:
+    gave_up, found_out = row(1, "goal_unachievable", False), row(2, "goal_unachievable", False)
+    other_goal = parse_goal("exists o. B(Den(lambda x. Green(x), o), 0.8)", {"Green": 1})
+    rows = [row(0), gave_up, replace(found_out, expected="goal_unachievable"), row(3, "limit_reached", False)]
+    worlds = replace(part(*rows), goals={0: GOAL, 1: other_goal}, source="--family three")
+    text = section(worlds)
+    assert "| achieved, of the achievable | 1 of 3 | 33.3% |" in text
+    assert "| found impossible, of the impossible | 1 of 1 | 100.0% |" in text
+    assert "| achievable, but given up as impossible | 1 of 3 | 33.3% |" in text
+    assert "| achievable, but ended at a limit | 1 of 3 | 33.3% |" in text
+    assert [seed in text for seed in ("- seed 1:", "- seed 2:", "- seed 3:")] == [True, False, True]
+    assert line(worlds).startswith(
+        "sim1, symbolic world: 1 of 3 achieved that can be; 1 of 4 believed, 1 of these true;"
+    )

@@ -1,0 +1,80 @@
+"""A world while it is drawn: things, what the robot is told, what happens, and the goal, as plain values."""
+
+from dataclasses import dataclass, field
+
+from skolem.sim.families.goals import Clause
+from skolem.sim.families.ranges import Variant
+from skolem.sim.families.words import Hsv
+from skolem.traces.messages import Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """One thing that is really there.
+
+    Attributes:
+        id: Its name.
+        type: Name of its object type.
+        on: The table it stands on; None: the floor.
+        at: x, y [m], theta [rad], from the middle of that table's top or, with None, in the world.
+        hsv: Colour; None for tables.
+        kg: Mass; None for tables.
+    """
+
+    id: str
+    type: str
+    on: str | None
+    at: Pose2
+    hsv: Hsv | None = None
+    kg: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What the robot is told of one thing: drawn around the truth by the run, or with `at` a place that is wrong."""
+
+    id: str
+    types: dict[str, float]
+    at: Pose2 | None = None
+    on: str | None = None
+    sd_xy_m: float | None = None
+    sd_theta_rad: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Somebody puts a thing somewhere just before an action of the robot."""
+
+    before_step: int
+    id: str
+    on: str
+    at: Pose2
+
+
+@dataclass(slots=True)
+class World:
+    """Everything that a scenario of a family says.
+
+    Attributes:
+        family: Its name.
+        seed: Its number.
+        variant: The ranges it is drawn from.
+        tables: On the floor, in order.
+        things: On the tables, in order.
+        told: Of things and tables, tables first.
+        expected: Mean number of strangers per table, as the robot is told.
+        moves: In order of time.
+        clauses: Of the goal.
+    """
+
+    family: str
+    seed: int
+    variant: Variant
+    tables: list[Thing] = field(default_factory=list)
+    things: list[Thing] = field(default_factory=list)
+    told: list[Told] = field(default_factory=list)
+    expected: dict[str, float] = field(default_factory=dict)
+    moves: list[Move] = field(default_factory=list)
+    clauses: tuple[Clause, ...] = ()
+    bound: float = 0.9
+    placed: float = 0.9

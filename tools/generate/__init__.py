@@ -1,0 +1,3 @@
+"""The verb `generate`. May import: loop."""
+
+__all__ = ()

@@ -1,0 +1,44 @@
+"""The verb `generate`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from skolem.traces.errors import Fault, InputError
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+
+@app.command()
+def generate(
+    family: Annotated[str, typer.Argument(help="Which kind of world; docs/families.md describes them.")],
+    seed: Annotated[int, typer.Option(min=0, help="Which world of the family; also the seed of its runs.")] = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--out", help="Where to write the scenario; an existing file is replaced. Default: print it."
+        ),
+    ] = None,
+    bound: Annotated[
+        float | None,
+        typer.Option(help="How sure the robot must be of what a description denotes, instead of a drawn probability."),
+    ] = None,
+) -> None:
+    """Draw a random scenario of a family, with a known answer.
+
+    The same family and seed give the same bytes. The answer stands in `expect`, which the robot never reads.
+    """
+    from skolem.tools.loop.families import drawn_text
+
+    text = drawn_text(family, seed, bound)
+    if out is None:
+        print(text, end="")
+        return
+    partial = out.with_name(out.name + ".partial")
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(out)
+    except OSError as error:
+        raise InputError([Fault("--out", 0, 0, f"cannot write to {out}: {error.strerror}")]) from error
