@@ -2,7 +2,8 @@
 #
 #   make demo    install, then run the first scenario
 #   make test    install, then run the tests
-#   make check   formatter, linter, types, tests, a wheel in an empty environment, docs: what a change must pass
+#   make check   formatter, linter, types, tests, fuzz, a wheel in an empty environment, docs: what a change must pass
+#   make fuzz    property tests on fresh examples; it prints the seed that draws the same ones again
 #   make docs    the reference of public names, from their docstrings, into out/site
 #   make bench   measure reasoner and estimator beside their peers, into docs/benchmarks.md (about a quarter of an hour)
 #   make setup   install only
@@ -23,9 +24,11 @@ TOP := __init__.py __main__.py py.typed
 SCENARIO := scenarios/sim1_green.yaml
 SEED := 0
 WORKERS ?= 2
+DRAWS ?= $(shell echo $$RANDOM$$RANDOM)
+EXAMPLES ?= 10
 TRACE := out/$(basename $(notdir $(SCENARIO)))-$(SEED).mcap
 
-.PHONY: help setup demo test check lint wheel docs bench lock clean
+.PHONY: help setup demo test fuzz check lint wheel docs bench lock clean
 
 help:
 	@sed -n '3,$${/^#/!q;s/^# \{0,1\}//p}' Makefile
@@ -59,7 +62,13 @@ demo: setup
 test: setup
 	$(BIN)/python -m pytest -q -n $(WORKERS)
 
-check: lint test wheel docs
+# Draws are random here alone: everywhere else the same inputs give the same bytes.
+fuzz: DRAWS := $(DRAWS)
+fuzz: setup
+	@echo "property tests on fresh examples, $(EXAMPLES) for every 100 of the tests'; again: make fuzz DRAWS=$(DRAWS) EXAMPLES=$(EXAMPLES)"
+	EXAMPLES=$(EXAMPLES) $(BIN)/python -m pytest -q -n $(WORKERS) -m hypothesis --hypothesis-profile=fresh --hypothesis-seed=$(DRAWS)
+
+check: lint test fuzz wheel docs
 
 lint: setup
 	$(BIN)/ruff format --check .

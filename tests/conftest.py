@@ -1,19 +1,31 @@
 """What every test shares: golden texts, reproducible hypothesis examples, the type checkers' view, a small trace."""
 
 import difflib
+import os
 import runpy
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
+from kit.draws import USUAL
 from kit.places import ROOT
 
 TYPE_FARM = ROOT / ".types" / "skolem"
 PACKAGE_FOLDERS = ("rules", "reasoner", "estimation", "sim", "traces", "tools")
 PACKAGE_FILES = ("__init__.py", "__main__.py", "py.typed")
 
-settings.register_profile("reproducible", derandomize=True, deadline=None)
+# Speed is measured elsewhere: a slow machine fails no property test, neither by a deadline nor by a health check.
+settings.register_profile(
+    "reproducible", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=USUAL
+)
+settings.register_profile(
+    "fresh",
+    settings.get_profile("reproducible"),
+    derandomize=False,
+    database=None,  # the seed alone decides what is drawn: `make fuzz` prints it
+    max_examples=int(os.environ.get("EXAMPLES", "10")),
+)
 settings.load_profile("reproducible")
 
 

@@ -2,7 +2,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
@@ -34,14 +35,14 @@ def by_quadrature(mean: NDArray[np.float64], cov: NDArray[np.float64], size: tup
     return float((density * inside * half * np.tile(weights, 2000)).sum())
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@examples(60)
 @given(ANGLES, SDS, SDS, PLACES, PLACES)
 def test_mass_in_a_rectangle_agrees_with_quadrature(angle: float, a: float, b: float, x: float, y: float) -> None:
     mean, cov = np.array([x, y]), ellipse(angle, a, b)
     assert prob_in_polygon(mean, cov, rectangle(DESK)) == pytest.approx(by_quadrature(mean, cov, DESK), abs=1e-9)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@examples(60)
 @given(ANGLES, st.floats(1e-6, 0.5), st.floats(1e-6, 0.5), PLACES, PLACES, st.floats(-0.4, 0.4))
 def test_halves_of_a_rectangle_share_its_mass(angle: float, a: float, b: float, x: float, y: float, cut: float) -> None:
     mean, cov, whole = np.array([x, y]), ellipse(angle, a, b), rectangle(DESK)

@@ -2,7 +2,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 
 from skolem.estimation.se2 import (
     adjoint,
@@ -19,7 +20,7 @@ from skolem.estimation.se2 import (
 from skolem.traces.messages import Pose2
 
 POSES = st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3.1, 3.1))
-LAWS = settings(max_examples=50, deadline=None, derandomize=True)
+LAWS = examples(50)
 
 
 @LAWS

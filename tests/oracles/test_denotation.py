@@ -9,7 +9,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 from kit.relation_tables import BOOK, ROUNDING, WORDS, Table
 
 from skolem.reasoner.language.parser import parse_lambda
@@ -91,7 +92,7 @@ def fact_of(tree: Tree, bound: Mapping[str, str]) -> Fact:
 
 
 @given(trees(("x",), 4), beliefs())
-@settings(max_examples=120)
+@examples(120)
 def test_the_circuit_agrees_with_recursion_under_nesting_shadowing_and_relations(tree: Tree, belief: Table) -> None:
     circuit = compile_description(parse_lambda(f"lambda x. {text(tree)}", WORDS), BOOK)
     found = evaluate(circuit, belief, BOOK.vocabulary)
@@ -161,7 +162,7 @@ def unrepeated() -> tuple[Tree, ...]:
 
 
 @given(st.sampled_from(unrepeated()), beliefs(("a", "b")))
-@settings(max_examples=80)
+@examples(80)
 def test_the_circuit_is_the_probability_of_the_worlds_where_it_is_true(tree: Tree, belief: Table) -> None:
     circuit = compile_description(parse_lambda(f"lambda x. {text(tree)}", WORDS), BOOK)
     for anchor, found in evaluate(circuit, belief, BOOK.vocabulary).items():
@@ -169,7 +170,7 @@ def test_the_circuit_is_the_probability_of_the_worlds_where_it_is_true(tree: Tre
 
 
 @given(beliefs(("a", "b")), st.sampled_from(PROPERTIES), st.sampled_from(PROPERTIES))
-@settings(max_examples=40)
+@examples(40)
 def test_a_quantifier_is_the_probability_that_some_object_of_the_world_fits(
     belief: Table, word: str, other: str
 ) -> None:

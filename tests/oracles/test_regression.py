@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Iterable
 
 import pytest
-from hypothesis import HealthCheck, given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 from kit.instance_tables import Table, instance, terms
 from kit.minds import Region, TableBelief, TableGeometry, Thing
 from kit.papers import EXAMPLE_GOAL, posed, shipped
@@ -144,7 +145,7 @@ def follow(found: Found, roots: Iterable[Subgoal], plain: Plain, level: int) -> 
 
 
 @given(scenes())
-@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
+@examples(25)
 def test_the_rules_give_the_instances_of_the_reference(at: PosedGoal) -> None:
     """Every fluent that regression could come to, thousands in all."""
     plain, waiting, seen = reference(at), [f for root in at.instantiations for f in root], set[Term]()
@@ -187,7 +188,7 @@ def test_plans_and_costs_of_thousands_of_small_problems_are_those_of_the_referen
         assert all(map(plain.holds, before))
 
     @given(scenes(most=2))
-    @settings(max_examples=SCENES, suppress_health_check=[HealthCheck.too_slow])
+    @examples(SCENES)
     def in_every_scene(at: PosedGoal) -> None:
         plain = Plain(at)
         for roots, level in itertools.product(wishes(at), LEVELS):
@@ -200,7 +201,7 @@ def test_plans_and_costs_of_thousands_of_small_problems_are_those_of_the_referen
 
 
 @given(scenes())
-@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
+@examples(25)
 def test_the_optimum_is_that_of_a_search_through_every_order_of_every_step(at: PosedGoal) -> None:
     """What is pruned (inferences alone, steps once for many fluents) costs nothing; the default keeps to its bound."""
     plain = Plain(at)
@@ -230,7 +231,7 @@ def problem(seed: int) -> tuple[Table, Subgoal]:
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=2000)
+@examples(2000)
 def test_the_optimum_of_any_problem_is_that_of_the_reference(seed: int) -> None:
     table, goal = problem(seed)
     best = regress([goal], table, lambda _: 9, lambda *_: False, 3000, DEAREST, optimal=True)
@@ -273,7 +274,7 @@ def test_a_plan_is_as_likely_as_all_its_steps_together() -> None:
     kinds = Counter[str]()
 
     @given(scenes(most=2))
-    @settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
+    @examples(20)
     def in_every_scene(at: PosedGoal) -> None:
         for roots, level in itertools.product(wishes(at), LEVELS):
             found = planned(at, roots, level, most=150)

@@ -4,7 +4,8 @@ The program knows steps in time, states that change, and `#minimize`; nothing of
 """
 
 import clingo
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 from kit.instance_tables import Table, instance, terms
 
 from skolem.reasoner.planning import regression
@@ -60,7 +61,7 @@ def problems(draw: st.DrawFn) -> tuple[list[Instance], list[str], frozenset[Term
 
 
 @given(problems())
-@settings(max_examples=200)
+@examples(200)
 def test_regression_finds_the_optimum_of_the_whole_plan(
     problem: tuple[list[Instance], list[str], frozenset[Term]],
 ) -> None:
@@ -74,7 +75,7 @@ def test_regression_finds_the_optimum_of_the_whole_plan(
 
 
 @given(problems())
-@settings(max_examples=200)
+@examples(200)
 def test_the_bound_that_the_usual_search_reports_holds(
     problem: tuple[list[Instance], list[str], frozenset[Term]],
 ) -> None:

@@ -1,8 +1,9 @@
 """B12: a goal is a formal specification."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from kit.descriptions import OBJECTS, RELATIONS, goals
+from kit.draws import examples
 from kit.papers import EXAMPLE_GOAL, GREEN_TO_TABLE1, shipped
 
 from skolem.reasoner.language.expressions import Goal
@@ -28,7 +29,7 @@ def test_every_goal_of_the_paper_is_read_and_prints_as_text_that_reads_back_equa
 
 
 @given(goals())
-@settings(max_examples=40)
+@examples(40)
 def test_so_does_any_goal(goal: Goal) -> None:
     """ "A formal specification": text and meaning are one to one."""
     assert parse_goal(str(goal), RELATIONS, OBJECTS) == goal

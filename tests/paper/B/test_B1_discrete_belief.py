@@ -1,7 +1,8 @@
 """B1: B(phi, p) says that phi is believed with probability at least p."""
 
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 from kit.minds import TableBelief, Thing
 from kit.papers import Handler, at_five_percent, can, holds, posed
 
@@ -11,7 +12,7 @@ JUST = 3e-6  # relative: the terms of the rules resolve a millionth of a nat
 
 
 @given(st.floats(0.01, 0.99))
-@settings(max_examples=25)
+@examples(25)
 def test_it_is_true_at_p_and_false_just_above(p: float) -> None:
     """ "P_b(phi = True) >= p." """
     belief = TableBelief({"o": Thing({"soda": p, "bottle": 1.0 - p})})

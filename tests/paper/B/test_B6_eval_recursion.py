@@ -5,7 +5,8 @@ import math
 from collections.abc import Iterator, Mapping
 
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 from kit.papers import denotes, shipped
 from kit.searches import told
 
@@ -117,7 +118,7 @@ def counted(text: str, anchor: str, belief: Belief) -> float:
     ],
 )
 @given(belief=beliefs())
-@settings(max_examples=8)
+@examples(8)
 def test_eval_is_the_probability_where_no_fact_occurs_twice(text: str, belief: Belief) -> None:
     """ "eval(And(e1, e2), b) = eval(e1, b) eval(e2, b)", and likewise for Or and Exists."""
     values = denotes(text, belief)

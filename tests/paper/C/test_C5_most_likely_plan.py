@@ -5,7 +5,8 @@ import math
 
 import clingo
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 from kit.minds import Region, TableBelief, Thing
 from kit.papers import EXAMPLE_GOAL, NINE, example, planned, posed, steps_of
 
@@ -108,7 +109,7 @@ def minimised(at: PosedGoal) -> int:
 
 
 @given(beliefs())
-@settings(max_examples=8)
+@examples(8)
 def test_the_plan_is_the_likeliest_of_all_by_enumeration_and_by_whole_plan_optimisation(belief: TableBelief) -> None:
     """ "A plan that minimizes the sum of these costs: the open-loop plan that is most likely to achieve the goal." """
     at = posed(EXAMPLE_GOAL, belief)

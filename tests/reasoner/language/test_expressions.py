@@ -1,8 +1,9 @@
 """Goals as fluents: one term per conjunct, in the order of their text."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from kit.descriptions import OBJECTS, RELATIONS, goals
+from kit.draws import examples
 
 from skolem.reasoner.language.expressions import Goal, constant_of, word_of
 from skolem.reasoner.language.parser import parse_goal
@@ -62,7 +63,7 @@ def test_each_kind_of_belief_has_its_fluent(text: str, fluent: str) -> None:
 
 
 @given(goals())
-@settings(max_examples=40)
+@examples(40)
 def test_fluents_are_terms_that_clingo_reads_in_a_fixed_order(goal: Goal) -> None:
     texts = [str(fluent) for fluent in goal.fluents]
     assert [parse_term(text) for text in texts] == list(goal.fluents)

@@ -1,8 +1,9 @@
 """Goal texts: what is read, what is refused, and where a fault is shown."""
 
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from kit.descriptions import OBJECTS, RELATIONS, goals, lambdas
+from kit.draws import examples
 
 from skolem.reasoner.language.expressions import And, Atom, Believed, Den, Exists, Goal, Lambda, Name, Or, Variable
 from skolem.reasoner.language.parser import goal_faults, parse_goal, parse_lambda
@@ -17,13 +18,13 @@ def described(text: str) -> Lambda:
 
 
 @given(goals())
-@settings(max_examples=60)
+@examples(60)
 def test_a_goal_prints_as_text_that_reads_back_equal(goal: Goal) -> None:
     assert parse_goal(str(goal), RELATIONS, OBJECTS) == goal
 
 
 @given(lambdas(numbers=True))
-@settings(max_examples=60)
+@examples(60)
 def test_a_description_prints_as_text_that_reads_back_equal(description: Lambda) -> None:
     assert described(str(description)) == description
 

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from kit.descriptions import OBJECTS, PROPERTIES, lambdas
+from kit.draws import examples
 from kit.relation_tables import BOOK, ROUNDING, WORDS, Table
 
 from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Lambda, Name, Or, Variable, constant_of
@@ -107,7 +108,7 @@ def beliefs(draw: st.DrawFn) -> Table:
 
 
 @given(lambdas(), beliefs())
-@settings(max_examples=60)
+@examples(60)
 def test_the_circuit_agrees_with_direct_recursion(description: Lambda, belief: Table) -> None:
     found = evaluate(compile_description(description, BOOK), belief, BOOK.vocabulary)
     for anchor in belief.anchors():

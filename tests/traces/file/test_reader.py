@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
+from kit.draws import examples
 from mcap.writer import Writer
 
 from skolem.traces.errors import TraceError
@@ -60,7 +61,7 @@ def test_the_last_message_of_a_topic_is_found_from_the_end(trace: Path) -> None:
     assert Trace(trace).last("/camera/rgb") is None
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(written)
 def test_any_messages_come_back_equal_and_write_the_same_bytes(
     tmp_path_factory: pytest.TempPathFactory, messages: list[tuple[str, TrueState | Verdict]]
