@@ -1,4 +1,4 @@
-"""The Kinect on the head, rendered: colour and exact depth of what stands before it."""
+"""The rendered Kinect on the head: colour and exact depth."""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from skolem.sim.robot.bullet import p
 from skolem.sim.space.pinhole import COLUMNS, FOVY_RAD, ROWS, Frame
 
 NEAR_M, FAR_M = 0.3, 5.0
-RENDERER_GAIN = 0.80  # measured: mean rendered value of an object over the value of its paint: the renderer's shading
+RENDERER_GAIN = 0.80  # measured mean rendered value of an object divided by the value of its paint, due to shading
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,7 @@ class Image:
 
     Attributes:
         rgb: Shape (rows, columns, 3), uint8.
-        depth: Along the camera's axis, shape (rows, columns), metres; `FAR_M` where nothing is hit.
+        depth: Depth along the camera's axis, shape (rows, columns), metres; `FAR_M` where nothing is hit.
         body: PyBullet's body in each pixel, shape (rows, columns); for tests, never for the robot.
     """
 
@@ -35,13 +35,13 @@ def render(
     rows: int = ROWS,
     light_world: tuple[float, float, float] | None = None,
 ) -> Image:
-    """Return what a camera sees; the frame's x axis looks forward, z up. Needs no graphics hardware.
+    """Return the picture of a camera whose x axis looks forward, z up; no graphics hardware is needed.
 
     Args:
         client: Physics client.
-        world_T_camera: Where the camera is.
-        columns: Of the picture.
-        rows: Of the picture.
+        world_T_camera: Frame of the camera.
+        columns: Width of the picture in pixels.
+        rows: Height of the picture in pixels.
         light_world: Direction towards the light; None: the renderer's own, from above.
     """
     eye, forward, up = world_T_camera.origin, world_T_camera.axes[:, 0], world_T_camera.axes[:, 2]
@@ -59,5 +59,5 @@ def render(
 
 
 def exposed(rgb: NDArray[np.uint8], colour_gain: float) -> NDArray[np.float64]:
-    """Return a picture as a camera sees it whose mean value is `colour_gain` times that of the paint, each 0..1."""
+    """Return a picture, each 0..1, scaled so that the mean value of an object is `colour_gain` times its paint's."""
     return np.minimum(rgb / 255.0 * (colour_gain / RENDERER_GAIN), 1.0)

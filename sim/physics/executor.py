@@ -1,7 +1,7 @@
 """Motions of the robot in the true world: driving, turning the head, leading an arm along a path.
 
-A motion through free space is kinematic: joints are put along the path, what is held goes along, and after each sample
-the world is asked whether something is touched. Motions among things run in the physics.
+A motion through free space is kinematic: joints are set along the path, held objects move with the hand, and contacts
+are checked after each sample. Motions with contacts run in the physics.
 """
 
 import math
@@ -29,7 +29,7 @@ Path = Sequence[Joints7]
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """How a drive went: start_T_end by the wheels, and whether it reached its end."""
+    """The outcome of a drive: start_T_end from the wheels, and whether it reached its end."""
 
     odometry: Pose2
     arrived: bool
@@ -39,7 +39,7 @@ class Executor:
     """Moves the robot of a world.
 
     Attributes:
-        motors: Its position controllers, for what runs in the physics.
+        motors: The position controllers, for motions in the physics.
     """
 
     def __init__(self, world: World) -> None:
@@ -49,11 +49,11 @@ class Executor:
         self.motors = Motors(world)
 
     def drive(self, start_T_waypoint: Sequence[Pose2], end_error: Pose2) -> Driven:
-        """Drive along waypoints from where the base truly is, drifting off; stop before what is in the way.
+        """Drive along waypoints from the true pose of the base, with drift; stop before an obstacle.
 
         Args:
-            start_T_waypoint: Poses to pass, seen from where the drive starts.
-            end_error: end_T_true: how far off the true motion is at the last waypoint; on the way it grows with time.
+            start_T_waypoint: Waypoints in the frame of the drive's start.
+            end_error: end_T_true: the error of the true motion at the last waypoint; on the way it grows with time.
         """
         world_T_start, reached = self._robot.base(), START
         samples = list(_drive_samples((START, *start_T_waypoint)))
@@ -72,7 +72,7 @@ class Executor:
         return Driven(reached, True)
 
     def turn_head(self, pan: float, tilt: float) -> None:
-        """Turn the head, within its limits; it touches nothing."""
+        """Turn the head, within its limits; contacts are not checked."""
         goal = [
             min(max(value, self._robot.limits[name][0]), self._robot.limits[name][1])
             for name, value in zip(HEAD, (pan, tilt), strict=True)
@@ -100,7 +100,7 @@ class Executor:
         return True
 
     def move_in_contact(self, hand: Hand, path: Path, until: Callable[[], bool] = lambda: False) -> None:
-        """Lead an arm along a path in the physics, pushing what is in the way, until its end or until `until`."""
+        """Lead an arm along a path in the physics, pushing obstacles, until its end or until `until` returns True."""
         self.motors.hold()
         for values in self._arm_samples(hand, path, CAREFUL_SPEED_RAD, 1):
             self.motors.lead_arm(hand, values)
@@ -110,7 +110,7 @@ class Executor:
         self.motors.run(REST_TICKS)
 
     def move_home(self, hand: Hand, path: Path) -> None:
-        """Lead an arm along a path kinematically up to where it touches something, and from there in the physics."""
+        """Lead an arm along a path: kinematically up to the first contact, and from there in the physics."""
         samples = self._arm_samples(hand, path, ARM_SPEED_RAD, SAMPLE_TICKS)
         before = np.array(self._robot.arm(hand))
         for values in samples:
@@ -129,7 +129,7 @@ class Executor:
     def _arm_samples(self, hand: Hand, path: Path, speed: float, ticks: int) -> Iterator[NDArray[np.float64]]:
         """Yield arm configurations along a path, one for each `ticks`.
 
-        Joints are interpolated as numbers: paths run on without jumps, also in the joints that turn without end.
+        Joint values are interpolated directly, since paths have no jumps, even in continuous joints.
         """
         last = np.array(self._robot.arm(hand))
         for waypoint in path:

@@ -1,7 +1,7 @@
-"""What a hand can do to a thing: find it between the fingers, hold it, let go of it, feel its weight.
+"""Grasping with a hand: find an object between the fingers, hold it, release it, and measure its weight.
 
-A firm grasp is a fixed constraint between palm and thing while the collisions between robot and thing are off: contacts
-fight a constraint, and then the wrist reads a wrong weight. Without them it reads the right one.
+A firm grasp is a fixed constraint between palm and object, with collisions between robot and object off. With contacts
+on, they act against the constraint, and the force at the wrist is wrong.
 """
 
 import numpy as np
@@ -12,15 +12,15 @@ from skolem.sim.robot.bullet import p
 from skolem.sim.robot.rotations import rotation
 from skolem.traces.messages import GRAVITY, Hand
 
-GRASP_FORCE = 500.0  # N, the most the constraint bears
+GRASP_FORCE = 500.0  # N, greatest force of the constraint
 MIN_GAP_M = 0.01  # fingers closer than this hold nothing
-CONTACT_M = 0.001  # the solver keeps touching bodies up to a tenth of this apart
+CONTACT_M = 0.001  # the solver keeps touching bodies apart by up to a tenth of this
 _PALM, _WRIST = "gripper_palm_link", "wrist_roll_joint"
 _SIDES = ("l_finger", "r_finger")
 
 
 def between_fingers(world: World, hand: Hand) -> str | None:
-    """Return the thing that both fingers of a hand press on, or None; the first by name if there are several."""
+    """Return the object that both fingers of a hand press on, or None; the first by name if there are several."""
     if world.robot.gripper_gap(hand) < MIN_GAP_M:
         return None
     for name, placed in world.placed.items():
@@ -37,11 +37,11 @@ def _presses(world: World, hand: Hand, side: str, body: int) -> bool:
 
 
 def attach(world: World, hand: Hand, thing_id: str) -> None:
-    """Hold a thing firmly, exactly where it is in the hand."""
+    """Hold an object firmly at its present pose in the hand."""
     body, palm = world.placed[thing_id].body, world.robot.link[f"{hand[0]}_{_PALM}"]
     centre = p.getBasePositionAndOrientation(body, physicsClientId=world.client)
     _set_collisions(world, body, on=False)
-    # createConstraint counts from the link's centre of mass: [0:2], not from its frame: [4:6]
+    # createConstraint takes poses in the frame of the link's centre of mass, [0:2], not in the link's frame, [4:6]
     inertial = p.getLinkState(world.robot.id, palm, computeForwardKinematics=True, physicsClientId=world.client)[:2]
     at, turn = p.multiplyTransforms(*p.invertTransform(*inertial), *centre)
     constraint = p.createConstraint(
@@ -63,7 +63,7 @@ def attach(world: World, hand: Hand, thing_id: str) -> None:
 
 
 def detach(world: World, hand: Hand) -> None:
-    """Leave a held thing to contacts and gravity."""
+    """Release a held object to contacts and gravity."""
     grasp = world.grasps.pop(hand)
     p.removeConstraint(grasp.constraint, physicsClientId=world.client)
     _set_collisions(world, world.placed[grasp.id].body, on=True)
@@ -75,7 +75,7 @@ def _set_collisions(world: World, body: int, on: bool) -> None:
 
 
 def held_touches(world: World, hand: Hand) -> bool:
-    """Return whether what a hand holds touches anything: it has come down on a table."""
+    """Return whether the object in a hand touches another body, such as the table it is lowered on."""
     body = world.placed[world.grasps[hand].id].body
     contacts = p.getContactPoints(bodyA=body, physicsClientId=world.client)
     return any(contact[2] != world.robot.id and contact[8] < CONTACT_M for contact in contacts)
@@ -88,9 +88,9 @@ def enable_wrist_sensor(world: World, hand: Hand) -> None:
 
 
 def wrist_force(world: World, hand: Hand) -> NDArray[np.float64]:
-    """Return the force at the wrist after a physics step less the hand's own weight, shape (3,), newtons, base frame.
+    """Return the force at the wrist after a physics step without the hand's weight, shape (3,), newtons, base frame.
 
-    At rest the hand's own share is its weight, whatever the pose: the sum of the masses beyond the wrist times gravity.
+    At rest the hand's weight is the sum of the masses beyond the wrist times gravity, in every pose.
     """
     joint = world.robot.joint[f"{hand[0]}_{_WRIST}"]
     reaction = p.getJointState(world.robot.id, joint, physicsClientId=world.client)[2][:3]
@@ -101,7 +101,7 @@ def wrist_force(world: World, hand: Hand) -> NDArray[np.float64]:
 
 
 def hand_kg(world: World, hand: Hand) -> float:
-    """Return the mass of all links beyond the wrist."""
+    """Return the mass of all links beyond the wrist, kg."""
     wrist = world.robot.link[f"{hand[0]}_wrist_roll_link"]
     beyond = {wrist}
     total = 0.0

@@ -1,4 +1,4 @@
-"""The robot's motors in the physics: joints kept where they are, an arm led along a path, fingers closed and opened."""
+"""The robot's motors in the physics: they hold joints, lead an arm along a path, close and open fingers."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -11,17 +11,17 @@ from skolem.sim.robot.bullet import p
 from skolem.sim.robot.pr2 import ARM, FINGER_OPEN_RAD, FINGERS
 from skolem.traces.messages import TICKS_PER_SECOND, Hand
 
-MOTOR_FORCE = 300.0  # N or Nm, at least: the model's limits count on springs that it does not have
+MOTOR_FORCE = 300.0  # N or Nm, at least: the model's limits assume springs that it lacks
 FINGER_FORCE, TIP_FORCE = 6.0, 20.0  # Nm; 6 at a finger is about 55 N at its tip
-GEAR_FORCE, GEAR_ERP = 100.0, 0.3  # Nm, and the share of a difference between the fingers taken back in a tick
+GEAR_FORCE, GEAR_ERP = 100.0, 0.3  # Nm, and the share of a difference between the fingers corrected per tick
 POSITION_GAIN, VELOCITY_GAIN = 0.3, 1.0
 FINGER_SPEED_RAD = 0.6  # per second
-FINGER_LAG_RAD = 0.05  # fingers this far behind their target press on something
+FINGER_LAG_RAD = 0.05  # fingers this far behind their target are in contact
 FINGER_SETTLE_TICKS = 24
 
 
 class Motors:
-    """Position controllers of all joints; targets stay until they are changed."""
+    """The position controllers of all joints; targets stay until they are changed."""
 
     def __init__(self, world: World) -> None:
         """Take over the robot of a world."""
@@ -30,7 +30,7 @@ class Motors:
         self._forces = [self._force(index) for index in self._robot.movable]
 
     def hold(self) -> None:
-        """Keep every joint where it is now; to be called whenever the physics takes over from a kinematic motion."""
+        """Hold every joint at its present value; called whenever the physics takes over from a kinematic motion."""
         states = p.getJointStates(self._robot.id, self._robot.movable, physicsClientId=self._robot.client)
         self._drive(self._robot.movable, [state[0] for state in states], self._forces)
 
@@ -40,14 +40,14 @@ class Motors:
         self._drive(indices, joints.tolist(), [MOTOR_FORCE] * len(indices))
 
     def run(self, ticks: int) -> None:
-        """Let the physics run with the targets as they are."""
+        """Run the physics with the present targets."""
         for _ in range(ticks):
             self._world.step()
 
     def close_fingers(self, hand: Hand) -> None:
-        """Close the fingers until both press on something or meet, then keep them there.
+        """Close the fingers until both press on an object or meet, then hold them.
 
-        Both move alike: a thing that only one of them touches is pushed along until it is in the middle.
+        Both move alike, so an object that only one of them touches is pushed to the middle.
         """
         target = max(self._fingers(hand)[:2])
         with self._linked_fingers(hand):
@@ -69,9 +69,9 @@ class Motors:
 
     @contextmanager
     def _linked_fingers(self, hand: Hand) -> Iterator[None]:
-        """Make both fingers of a hand move alike, as their linkage does; PyBullet ignores the model's `<mimic>`.
+        """Couple both fingers of a hand as their linkage does; PyBullet ignores the model's `<mimic>`.
 
-        Only while they move: the gear would falsify what the wrist feels.
+        The coupling lasts only while they move, since it would falsify the force at the wrist.
         """
         left, right = (self._robot.joint[name] for name in FINGERS[hand][:2])
         gear = p.createConstraint(

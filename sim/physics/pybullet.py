@@ -1,7 +1,7 @@
-"""The simulated robot as the rest of the product meets it: an action goes in, a result and an observation come out.
+"""The world with physics: it executes an action and returns a result and an observation.
 
-Everything that comes out is what sensors say: detections through a noisy camera, odometry of the wheels, exact joint
-encoders, the gap between the fingers, the force at the right wrist. `state` is the truth, for verdicts and viewers.
+The results are sensor readings: detections through a noisy camera, odometry of the wheels, exact joint encoders, the
+gap between the fingers, the force at the right wrist. `state` is the truth, for verdicts and viewers.
 """
 
 from collections.abc import Sequence
@@ -44,15 +44,15 @@ from skolem.traces.messages import (
 )
 
 SETTLE_TICKS, AVERAGE_TICKS = 24, 48  # of a weighing
-FALL_TICKS = 90  # a released thing comes to rest
-LIMB_RADIUS_M = 0.10  # points this near an arm's axis are the arm
+FALL_TICKS = 90  # in which a released object comes to rest
+LIMB_RADIUS_M = 0.10  # points this near an arm's axis belong to the arm
 FINGER_REACH_M = 0.06  # the fingers end this far beyond the tool frame
-HELD_REACH_M = 0.20  # what is held may reach this far above and below the tool frame
+HELD_REACH_M = 0.20  # a held object may reach this far above and below the tool frame
 _LIMBS = ("shoulder_pan_link", "elbow_flex_link", "wrist_flex_link")
 
 
 class PyBulletWorld:
-    """A PR2 among tables and things, in physics."""
+    """A PR2 among tables and other objects, in physics."""
 
     def __init__(
         self,
@@ -70,14 +70,14 @@ class PyBulletWorld:
 
         Args:
             types: Every type by name.
-            things: What stands where; their order does not matter.
-            world_T_base: Where the robot truly stands.
-            torso: Its lift [m].
-            noise: How its sensors and wheels truly err.
-            seed: Of the run.
+            things: The true bodies, in any order.
+            world_T_base: True pose of the base.
+            torso: Torso lift [m].
+            noise: True noise of sensors and wheels.
+            seed: Seed of the run.
             recorder: Called with a topic and a protobuf message while the robot moves; `tick` is its time.
             images: Whether pictures are recorded too.
-            told: How its detector takes its sensors to err when it states covariances; None: as they do.
+            told: Stated noise, from which the detector computes covariances; None: the true noise.
         """
         self._types, self._noise, self._seed, self._images = types, noise, seed, images
         self._told = told or noise
@@ -92,11 +92,11 @@ class PyBulletWorld:
         return self._world.tick
 
     def close(self) -> None:
-        """Give the physics client back."""
+        """Close the physics client."""
         self._world.close()
 
     def robot_state(self) -> RobotState:
-        """Return what the encoders say."""
+        """Return the encoder values."""
         return self._world.robot.state()
 
     def state(self, step: int) -> TrueState:
@@ -109,13 +109,13 @@ class PyBulletWorld:
         )
 
     def disturb(self, object_id: str, world_T_object: Pose4) -> None:
-        """Put a thing somewhere else, from outside and unseen by the robot; out of a hand, if it is in one."""
+        """Move an object from outside, unseen by the robot; an object in a hand is taken out."""
         for hand in [hand for hand, grasp in self._world.grasps.items() if grasp.id == object_id]:
             detach(self._world, hand)
         self._world.put(object_id, world_T_object)
 
     def execute(self, action: Action) -> tuple[ActionResult, Observation]:
-        """Carry out an action; one that is impossible comes back as failed."""
+        """Carry out an action; an impossible one has a failed result."""
         step, command = action.step, action.command
         match command:
             case MoveBase():
@@ -183,7 +183,7 @@ class PyBulletWorld:
         record("/camera/info", recording.calibration(tick, columns, rows))
 
     def _limbs(self) -> NDArray[np.float64]:
-        """Return the axes of the arms and of what is held, from the encoders, shape (k, 2, 3), base frame."""
+        """Return the axes of the arms and of held objects from the encoders, shape (k, 2, 3), metres, base frame."""
         segments = []
         for hand in HANDS:
             joints = [self._world.base_point(f"{hand[0]}_{name}") for name in _LIMBS]
@@ -198,7 +198,7 @@ class PyBulletWorld:
     # ------------------------------------------------------------ grasping
 
     def _pick(self, step: int, command: Pick) -> ActionResult:
-        """Try to get hold of what is where the path ends; a failed pick goes back the way it came, fingers open."""
+        """Close the hand at the end of the path; after a failure it goes back along the path with open fingers."""
         hand, executor = command.hand, self._executor
         if hand in self._world.grasps:
             return self._result(step, False)
@@ -221,7 +221,7 @@ class PyBulletWorld:
         return result.model_copy(update={"robot": self.robot_state()})
 
     def _place(self, step: int, command: Place) -> ActionResult:
-        """Put down what is held; lowering ends when it touches something. An empty hand opens too, and has failed."""
+        """Put down the held object, lowering it to the first contact; an empty hand opens and the action fails."""
         hand, executor = command.hand, self._executor
         if not executor.move_freely(hand, command.approach):
             return self._result(step, False)

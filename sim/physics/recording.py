@@ -1,4 +1,4 @@
-"""Protobuf messages for a trace, of joints, frames and pictures; pure functions of the tick and the values."""
+"""Protobuf messages of joints, frames and pictures for a trace, as pure functions of the tick and the values."""
 
 import struct
 import zlib
@@ -30,7 +30,7 @@ _PNG_LEVEL = 6  # of zlib; fixed, so that equal pictures give equal bytes
 
 @dataclass(frozen=True, slots=True)
 class NamedPose:
-    """Where a frame is in the world: position [m] and quaternion xyzw."""
+    """The pose of a frame in the world: position [m] and quaternion xyzw."""
 
     child: str
     position: Xyz
@@ -50,7 +50,7 @@ def joint_states(tick: int, names: Sequence[str], positions: Sequence[float]) ->
 
 
 def transforms(tick: int, frames: Iterable[NamedPose]) -> FrameTransforms:
-    """Return where frames are in the world."""
+    """Return the message of frames' poses in the world."""
     return FrameTransforms(transforms=[_transform(tick, frame) for frame in frames])
 
 
@@ -88,7 +88,7 @@ def depth_image(tick: int, depth: NDArray[np.float64]) -> RawImage:
 def calibration(tick: int, columns: int, rows: int) -> CameraCalibration:
     """Return the pinhole model of the camera, in the optical convention: x right, y down, z forward.
 
-    The centre lies at column columns / 2 and row rows / 2 - 1: the renderer's convention without half pixels.
+    The centre is at column columns / 2 and row rows / 2 - 1, by the renderer's convention without half pixels.
     """
     f, cx, cy = focal_px(rows), columns / 2.0, rows / 2.0 - 1.0
     return CameraCalibration(

@@ -1,7 +1,7 @@
-"""The true world in one physics client: floor, robot, tables, things, what is in the hands, and the clock.
+"""The true world in one physics client: floor, robot, tables and other objects, grasps, and the clock.
 
-Time passes in ticks of 1/240 s. Either the physics is stepped, or joints are put where a motion has them and the clock
-is moved on; what is held goes along in both cases.
+Time passes in ticks of 1/240 s. Either the physics is stepped, or joints are set along a motion and the clock is
+advanced; held objects move with the hand in both cases.
 """
 
 import colorsys
@@ -27,13 +27,13 @@ from skolem.traces.messages.poses import Quaternion, Vector3, compose4, inverse4
 Recorder = Callable[[str, Any], None]  # topic, protobuf message
 
 RECORD_TICKS = 24  # 10 Hz
-SUPPORT_GAP_M = 0.01  # a thing whose base is this near the top of a table rests on it
+SUPPORT_GAP_M = 0.01  # an object whose base is this near the top of a table rests on it
 TOUCH_M = 0.002  # bodies this deep in each other collide; resting contacts of the solver are shallower
 
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A body of the true world and what it was made from."""
+    """A body in the physics client, with its true body and type."""
 
     body: int
     kind: ObjectType
@@ -42,7 +42,7 @@ class Placed:
 
 @dataclass(frozen=True, slots=True)
 class Grasp:
-    """What a hand holds: the thing's id, the constraint, and where the thing's centre is in the tool frame."""
+    """A grasp: the object's id, the constraint, and the pose of the object's centre in the tool frame."""
 
     id: str
     constraint: int
@@ -51,13 +51,13 @@ class Grasp:
 
 
 class World:
-    """The robot and the things around it; the only holder of the truth.
+    """The robot and the true bodies around it; it alone holds the truth.
 
     Attributes:
         client: Physics client of its own.
         robot: The PR2 in it.
-        placed: Tables and things by id, sorted, tables first.
-        grasps: What is held, by hand.
+        placed: All bodies by id, sorted, tables first.
+        grasps: The grasps by hand.
         tick: Simulated time in ticks.
     """
 
@@ -69,7 +69,7 @@ class World:
         torso: float,
         recorder: Recorder | None,
     ) -> None:
-        """Load floor, robot, tables and things, in this order: the order is part of what makes runs repeat."""
+        """Load floor, robot, tables and other objects; this order is fixed, so that runs repeat."""
         self.client = bodies.connect()
         self._floor = bodies.floor(self.client)
         self.robot = PR2(self.client)
@@ -93,32 +93,32 @@ class World:
     # ------------------------------------------------------------ where things are
 
     def pose(self, thing_id: str) -> Pose4:
-        """Return world_T_object; of a thing that lies on its side, the heading and what z it would have upright."""
+        """Return world_T_object; for an object on its side, its heading and the z that it would have upright."""
         placed = self.placed[thing_id]
         return bodies.pose(self.client, placed.body, placed.kind)
 
     def base_T_tool(self, hand: Hand) -> Pose4:
-        """Return the tool frame as the encoders give it: seen from the base."""
+        """Return the tool frame in the base frame, from the encoders."""
         return compose4(inverse4(raised(self.robot.base())), self.robot.world_T_tool(hand))
 
     def world_T_camera(self) -> Frame:
-        """Return where the camera truly is."""
+        """Return the true frame of the camera."""
         return Frame(*self.robot.camera_pose())
 
     def base_T_camera(self) -> Frame:
-        """Return the camera as the encoders give it: seen from the base."""
+        """Return the camera frame in the base frame, from the encoders."""
         x, y, theta = self.robot.base()
         position, world_R_camera = self.robot.camera_pose()
         base_R_world = rotation(-theta)
         return Frame(base_R_world @ (position - (x, y, 0.0)), base_R_world @ world_R_camera)
 
     def base_point(self, link: str) -> NDArray[np.float64]:
-        """Return the origin of a link's frame as the encoders give it, shape (3,), base frame."""
+        """Return the origin of a link's frame from the encoders, shape (3,), metres, base frame."""
         x, y, theta = self.robot.base()
         return np.asarray(rotation(-theta) @ np.subtract(self.robot.link_pose(link)[0], (x, y, 0.0)))
 
     def true_objects(self) -> tuple[TrueObject, ...]:
-        """Return every table and thing as it really is."""
+        """Return the true state of every object, tables included."""
         holder = {grasp.id: hand for hand, grasp in self.grasps.items()}
         return tuple(
             TrueObject(
@@ -134,7 +134,7 @@ class World:
         )
 
     def _support_of(self, name: str) -> str | None:
-        """Return the table on whose top the centre of a thing's base face rests, or None."""
+        """Return the table on whose top the centre of an object's base face rests, or None."""
         pose = self.pose(name)
         for table, placed in self.placed.items():
             depth, width, height = placed.kind.size_m
@@ -145,21 +145,21 @@ class World:
         return None
 
     def put(self, thing_id: str, world_T_object: Pose4) -> None:
-        """Put a thing somewhere else, upright and at rest."""
+        """Put an object at a pose, upright and at rest."""
         placed = self.placed[thing_id]
         bodies.set_pose(self.client, placed.body, placed.kind, world_T_object)
 
     # ------------------------------------------------------------ what touches, what is carried along
 
     def carry_along(self) -> None:
-        """Put what is held where the hands are; after joints were put somewhere else."""
+        """Move held objects to the hands, after joints were set."""
         for hand, grasp in self.grasps.items():
             position, turn = p.multiplyTransforms(*self.robot.tool_pose(hand), grasp.position, grasp.quaternion)
             body = self.placed[grasp.id].body
             p.resetBasePositionAndOrientation(body, position, turn, physicsClientId=self.client)
 
     def touching(self) -> bool:
-        """Return whether the robot, or what it holds, is inside something that it does not hold."""
+        """Return whether the robot or a held object intersects any other body."""
         p.performCollisionDetection(physicsClientId=self.client)
         held = {self.placed[grasp.id].body for grasp in self.grasps.values()}
         own = held | {self.robot.id}
@@ -186,23 +186,23 @@ class World:
     # ------------------------------------------------------------ time
 
     def step(self) -> None:
-        """Let the physics run for one tick."""
+        """Run the physics for one tick."""
         p.stepSimulation(physicsClientId=self.client)
         self.pass_time(1)
 
     def pass_time(self, ticks: int) -> None:
-        """Move the clock on, with everything as it stands; record at each tenth of a second that it passes."""
+        """Advance the clock without any motion, and record at each tenth of a second."""
         before, self.tick = self.tick, self.tick + ticks
         if self.tick // RECORD_TICKS > before // RECORD_TICKS:
             self.record_state()
 
     def record(self, topic: str, message: Any) -> None:
-        """Hand a message to whoever records."""
+        """Pass a message to the recorder, if there is one."""
         if self._recorder is not None:
             self._recorder(topic, message)
 
     def record_state(self) -> None:
-        """Record all joints, and the frames of base, camera and things."""
+        """Record all joints, and the frames of base, camera and objects."""
         if self._recorder is None:
             return
         names = [self._names[index] for index in self.robot.movable]

@@ -1,6 +1,6 @@
 """The PR2 of the package `example-robot-data`: found, patched, and cached on disk.
 
-The model as shipped loads, but is not the robot we mean. Six patches, each with what happens without it:
+The shipped model loads, but differs from the robot. Six patches correct it; each states the problem that it removes:
 
 1. Links without `<inertial>` get mass 1e-4: PyBullet gives each 1 kg, 4 kg on the right arm alone.
 2. Facet normals of the meshes are recomputed: nine arm and gripper meshes ship zero normals and render black.
@@ -46,7 +46,7 @@ _KINECT_JOINTS = (  # child, parent, xyz, rpy: nominal mount of a Kinect v1 on t
 
 @contextlib.contextmanager
 def quiet_output() -> Iterator[None]:
-    """Discard what C code writes to the standard streams meanwhile: PyBullet announces itself there."""
+    """Discard the output of C code on the standard streams: PyBullet prints a banner there."""
     c_library = ctypes.CDLL(None if os.name == "posix" else "ucrtbase")  # its buffers outlive the redirection
     sys.stdout.flush()
     sys.stderr.flush()
@@ -79,7 +79,7 @@ def model_folder() -> Path:
 
 
 def srdf_path() -> Path:
-    """Return the file that lists which link pairs need no collision check."""
+    """Return the path of the file that lists the link pairs without collision check."""
     return model_folder() / _SRDF
 
 
@@ -94,7 +94,10 @@ def robot_sha256() -> str:
 
 
 def patched_urdf_path() -> Path:
-    """Return the patched model in the user's cache, made on first use; safe when two processes make it at once."""
+    """Return the path of the patched model in the user's cache, which is made on first use.
+
+    Two processes may make it at once.
+    """
     folder = _cache_folder() / f"pr2-{robot_sha256()[:16]}"
     if not folder.exists():
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -125,7 +128,7 @@ def patched_urdf() -> str:
 
 
 def _cache_folder() -> Path:
-    """Return where this user's caches of the product lie."""
+    """Return the folder of this user's caches of the product."""
     home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
     return (Path(home) if home else Path.home() / ".cache") / "skolem"
 
@@ -161,7 +164,7 @@ def _with_normals(stl: bytes) -> bytes:
 
 
 def _drop_noise(root: ET.Element) -> None:
-    """Remove what is no part of the robot's body: simulator plug-ins, transmissions, marker boxes."""
+    """Remove elements that are no part of the robot's body: simulator plug-ins, transmissions, marker boxes."""
     for child in list(root):
         if child.tag not in ("link", "joint", "material"):
             root.remove(child)
@@ -173,7 +176,7 @@ def _drop_noise(root: ET.Element) -> None:
 
 
 def _paint(link: ET.Element) -> None:
-    """Give every visual of a link one of three greys, by the part of the body it is."""
+    """Give every visual of a link one of three greys, by the part of the body."""
     name = link.get("name", "")
     light, dark = any(part in name for part in _LIGHT_PARTS), any(part in name for part in _DARK_PARTS)
     rgba = _LIGHT if light else _DARK if dark else _GREY
@@ -184,7 +187,7 @@ def _paint(link: ET.Element) -> None:
 
 
 def _add_inertial(link: ET.Element) -> None:
-    """Make a frame-only link weigh next to nothing."""
+    """Give a link without inertia a negligible mass."""
     inertial = ET.SubElement(link, "inertial")
     ET.SubElement(inertial, "mass", value="1e-4")
     ET.SubElement(inertial, "inertia", ixx="1e-7", iyy="1e-7", izz="1e-7", ixy="0", ixz="0", iyz="0")

@@ -1,7 +1,7 @@
-"""Physics clients, and the bodies in them that are not the robot: floor, tables, things to grasp.
+"""Physics clients, and the bodies in them besides the robot: floor, tables, graspable objects.
 
-A body's pose is that of its type: origin at the centre of the base face, z up. PyBullet counts from the centre of mass,
-so `set_pose` and `pose` take the type to shift by half the height.
+A body's pose is that of its type: origin at the centre of the base face, z up. PyBullet's origin is the centre of mass,
+so `set_pose` and `pose` shift by half the height of the type.
 """
 
 from skolem.sim.robot.bullet import p
@@ -19,7 +19,7 @@ LATERAL_FRICTION, SPINNING_FRICTION, ROLLING_FRICTION = 1.0, 0.002, 0.0005  # a 
 
 
 def connect(gravity: bool = True) -> int:
-    """Open a headless physics client with a fixed order of contacts; gravity only where things are meant to fall."""
+    """Open a headless physics client with a fixed order of contacts, with or without gravity."""
     client: int = p.connect(p.DIRECT)
     p.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
     if gravity:
@@ -28,7 +28,7 @@ def connect(gravity: bool = True) -> int:
 
 
 def disconnect(client: int) -> None:
-    """Close a client and all that is in it."""
+    """Close a client with all its bodies."""
     p.disconnect(physicsClientId=client)
 
 
@@ -52,7 +52,7 @@ def table(client: int, size_m: Vector3, world_T_table: Pose4, rgba: Rgba = WOOD,
 def thing(
     client: int, object_type: ObjectType, world_T_object: Pose4, rgba: Rgba, kg: float, inflate_m: float = 0.0
 ) -> int:
-    """Add a body of the type and return it.
+    """Add a body of a type and return it.
 
     Args:
         client: Physics client.
@@ -86,7 +86,7 @@ def set_pose(client: int, body: int, object_type: ObjectType, world_T_object: Po
 
 
 def pose(client: int, body: int, object_type: ObjectType) -> Pose4:
-    """Return where the centre of the base face of an upright body of the type is."""
+    """Return the pose of the centre of the base face of an upright body of the type."""
     (x, y, z), turn = full_pose(client, body)
     return (x, y, z - _centre_height(object_type), heading(turn))
 
@@ -98,7 +98,7 @@ def full_pose(client: int, body: int) -> tuple[Vector3, Quaternion]:
 
 
 def _centre_height(object_type: ObjectType) -> float:
-    """Return how high PyBullet's origin of a body of the type lies above the base face."""
+    """Return the height of PyBullet's origin above the base face of a body of the type, metres."""
     return 0.0 if object_type.shape == "table" else object_type.size_m[2] / 2.0
 
 

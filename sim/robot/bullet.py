@@ -1,4 +1,4 @@
-"""PyBullet, imported without a word on the standard streams: import `p` from here, where it is used."""
+"""PyBullet, imported without output on the standard streams; users import `p` from here."""
 
 from skolem.sim.robot.assets import quiet_output
 

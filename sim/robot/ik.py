@@ -1,8 +1,9 @@
 """Inverse kinematics of a PR2 arm in closed form: all solutions for given values of the shoulder pan.
 
 The arm is a shoulder (z, then 0.1 m forward, then y, x), an elbow (y) and a wrist (x, y, x) whose centre is fixed by
-the tool pose. With the pan given, the wrist centre fixes elbow, lift and upper-arm roll (two ways), and the wrist's
-X-Y-X Euler angles follow. No seed, no iteration: the solutions and their order are a function of the arguments.
+the tool pose. With the pan given, the wrist centre fixes elbow, lift and upper-arm roll (two solutions), and the
+wrist's X-Y-X Euler angles follow. The solutions and their order are a function of the arguments, without seed or
+iteration.
 
 Tool poses are given in the frame of `base_footprint` (z = 0 on the floor); x of the tool points along the fingers.
 """
@@ -20,8 +21,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 WRAPPING = (4, 6)  # forearm roll and wrist roll turn without end
-STEP_LIMIT_RAD = 0.35  # largest turn of a joint between two poses of a straight line; more is another branch
-PAN_WINDOW_RAD, PAN_WINDOW_POINTS = 0.16, 17  # where the shoulder pan of the next pose is sought
+STEP_LIMIT_RAD = 0.35  # largest turn of a joint between two poses of a straight line; a larger one changes the branch
+PAN_WINDOW_RAD, PAN_WINDOW_POINTS = 0.16, 17  # search range for the shoulder pan of the next pose
 _LIMITS_LEFT = (
     (-0.714601836603, 2.2853981634),
     (-0.5236, 1.3963),
@@ -43,11 +44,11 @@ def limits(hand: Hand) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Solutions:
-    """Arm configurations and the question each answers.
+    """Arm configurations, each with the index of its question.
 
     Attributes:
-        row: Shape (k,), index of the question, ascending.
-        joints: Shape (k, 7) [rad], continuous joints in [-pi, pi].
+        row: Index of the question, shape (k,), ascending.
+        joints: Joint values, shape (k, 7) [rad], continuous joints in [-pi, pi].
     """
 
     row: Ints
@@ -78,7 +79,7 @@ def solve(hand: Hand, torso: float, position: Floats, rotation: Floats, pan: Flo
 
 
 def _upper_arm(wrist: Floats, lim: Floats) -> tuple[Ints, Floats]:
-    """Return shoulder lift, upper-arm roll and elbow flex, shape (k, 3), with the question of each.
+    """Return the question of each solution, shape (k,), and its shoulder lift, upper-arm roll and elbow flex, (k, 3).
 
     Args:
         wrist: Shape (n, 3), wrist centres seen from the lift axis, turned by the pan.
@@ -142,7 +143,7 @@ def all_solutions(hand: Hand, torso: float, position: Floats, rotation: Floats, 
 
 
 def nearest_turn(joints: Floats, reference: Floats) -> Floats:
-    """Return the same configurations with the continuous joints turned to within pi of `reference`."""
+    """Return the configurations with continuous joints turned to within pi of `reference`."""
     turned = np.array(joints)
     for k in WRAPPING:
         difference = turned[..., k] - reference[..., k]
@@ -151,7 +152,7 @@ def nearest_turn(joints: Floats, reference: Floats) -> Floats:
 
 
 def follow(hand: Hand, torso: float, start: Floats, positions: Floats, rotation: Floats) -> Floats | None:
-    """Return configurations along tool positions, each near the one before, or None where the branch ends.
+    """Return configurations along tool positions, each near the one before; None if the branch ends.
 
     Args:
         hand: Which arm.

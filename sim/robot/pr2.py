@@ -1,7 +1,7 @@
-"""The PR2 in a physics client: names, limits, joint values, frames, and where its head must turn to see a point.
+"""The PR2 in a physics client: names, limits, joint values, frames, and the head angles that show a point.
 
-The base moves by three joints of its own, so `world_T_base` is the pose of `base_footprint` on the floor. Nothing here
-steps the physics or plans; several robots may live in several clients.
+The base moves by three joints of its own, so `world_T_base` is the pose of `base_footprint` on the floor. The module
+neither steps the physics nor plans; several clients may each have a robot.
 """
 
 import math
@@ -39,8 +39,8 @@ class PR2:
     """One robot in one client, with its index maps.
 
     Attributes:
-        client: The physics client it was loaded into.
-        id: Its body there.
+        client: The physics client.
+        id: The robot's body in it.
         joint: Index of each joint by name.
         link: Index of each link by name; the root has -1.
         limits: (lower, upper) of each joint in rad or m; a continuous joint has (-pi, pi).
@@ -52,8 +52,8 @@ class PR2:
 
         Args:
             client: Physics client.
-            self_collision: Whether contacts between its own links count, less the pairs that the SRDF disables; for
-                planning only, a physics step costs 3.6 times as much with it.
+            self_collision: Whether contacts between its own links count, except pairs that the SRDF disables. For
+                planning only: with it, a physics step costs 3.6 times as much.
         """
         self.client = client
         flags = p.URDF_USE_SELF_COLLISION if self_collision else 0
@@ -82,7 +82,7 @@ class PR2:
         self.limits, self.movable = MappingProxyType(limits), tuple(movable)
 
     def collision_links(self) -> dict[str, int]:
-        """Return name and index of every link that can touch something."""
+        """Return name and index of every link with a collision shape."""
         shapes = {
             name: p.getCollisionShapeData(self.id, index, physicsClientId=self.client)
             for name, index in self.link.items()
@@ -90,7 +90,7 @@ class PR2:
         return {name: self.link[name] for name, data in shapes.items() if data}
 
     def checked_pairs(self) -> tuple[tuple[int, int], ...]:
-        """Return the pairs of links, by index, whose contact is a self collision: all but those the SRDF disables."""
+        """Return the pairs of links, by index, whose contact is a self-collision: those that the SRDF enables."""
         disabled = {
             frozenset((entry.get("link1"), entry.get("link2")))
             for entry in ET.parse(srdf_path()).getroot().iter("disable_collisions")
@@ -112,7 +112,7 @@ class PR2:
                 p.setCollisionFilterPair(self.id, self.id, i, j, on, physicsClientId=self.client)
 
     def set_joints(self, values: Mapping[str, float]) -> None:
-        """Put joints at values (rad or m), at rest."""
+        """Set joint values (rad or m), at rest."""
         indices, rest = [self.joint[name] for name in values], [[0.0]] * len(values)
         positions = [[value] for value in values.values()]
         p.resetJointStatesMultiDof(self.id, indices, positions, rest, physicsClientId=self.client)
@@ -123,30 +123,30 @@ class PR2:
         return tuple(state[0] for state in p.getJointStates(self.id, indices, physicsClientId=self.client))
 
     def set_state(self, state: RobotState) -> None:
-        """Put torso, head and arms where the encoders say they are."""
+        """Set torso, head and arms to the encoder values of a state."""
         self.set_joints({TORSO: state.torso})
         self.set_joints(dict(zip(HEAD, state.head, strict=True)))
         self.set_arm("right", state.right_arm)
         self.set_arm("left", state.left_arm)
 
     def state(self) -> RobotState:
-        """Return what exact encoders say: all joints but the base."""
+        """Return the exact encoder values of all joints but the base."""
         pan, tilt = self.joints(HEAD)
         return RobotState(
             torso=self.joints([TORSO])[0], head=(pan, tilt), right_arm=self.arm("right"), left_arm=self.arm("left")
         )
 
     def set_arm(self, hand: Hand, values: Iterable[float]) -> None:
-        """Put the arm of that hand at seven joint values."""
+        """Set the seven joint values of a hand's arm (rad)."""
         self.set_joints(dict(zip(ARM[hand], values, strict=True)))
 
     def arm(self, hand: Hand) -> Joints7:
-        """Return the seven joint values of that hand's arm."""
+        """Return the seven joint values of a hand's arm (rad)."""
         a, b, c, d, e, f, g = self.joints(ARM[hand])
         return (a, b, c, d, e, f, g)
 
     def set_base(self, world_T_base: Pose2) -> None:
-        """Put `base_footprint` at a pose on the floor."""
+        """Set the pose of `base_footprint` on the floor."""
         self.set_joints(dict(zip(BASE, world_T_base, strict=True)))
 
     def base(self) -> Pose2:
@@ -155,7 +155,7 @@ class PR2:
         return (x, y, half_open_turn(theta))
 
     def set_gripper(self, hand: Hand, opening_rad: float) -> None:
-        """Turn all four finger joints; PyBullet ignores `<mimic>`, so each is set. 0 is closed."""
+        """Set all four finger joints to an angle; 0 is closed. PyBullet ignores `<mimic>`, so each joint is set."""
         roots = {f"{hand[0]}_gripper_{name}_joint": 0.0 for name in _ROOTS}
         self.set_joints(dict.fromkeys(FINGERS[hand], opening_rad) | roots)
 
@@ -188,15 +188,16 @@ class PR2:
         return np.array(position), matrix
 
     def _head_offsets(self) -> tuple[Vector3, Vector3, Vector3]:
-        """Return torso-to-pan, pan-to-tilt and tilt-to-camera offsets; all these frames are parallel at zero."""
+        """Return torso-to-pan, pan-to-tilt and tilt-to-camera offsets; at zero, all these frames are parallel."""
         names = ("torso_lift_link", "head_pan_link", "head_tilt_link", CAMERA_FRAME)
         torso, pan, tilt, camera = (np.array(self.link_pose(name)[0]) for name in names)
         return tuple(pan - torso), tuple(tilt - pan), tuple(camera - tilt)
 
     def look_at(self, point_world: Vector3) -> tuple[float, float]:
-        """Return pan and tilt, within their limits, that turn the optical axis through a point in the world.
+        """Return pan and tilt (rad), within their limits, that turn the optical axis through a point in the world.
 
-        Exact where the limits allow it: the axis is a line at a fixed distance from two perpendicular joint axes.
+        The solution is exact within the limits: the optical axis is a line at a fixed distance from two perpendicular
+        joint axes.
         """
         torso_pan, pan_tilt, tilt_camera = self._head
         torso, turn = self.link_pose("torso_lift_link")
@@ -216,5 +217,5 @@ class PR2:
 
 
 def _asin(value: float) -> float:
-    """Return the arc sine, of a value that may lie just beyond its domain for points near the axis."""
+    """Return the arc sine of a value clipped to [-1, 1]; points near the axis may give a value just beyond."""
     return math.asin(min(1.0, max(-1.0, value)))

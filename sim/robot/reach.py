@@ -1,4 +1,4 @@
-"""How well an arm reaches level tool poses: ranked configurations for grasps, and maps for choosing base poses."""
+"""The reach of an arm at level tool poses: ranked configurations for grasps, and maps for choosing base poses."""
 
 from dataclasses import dataclass
 
@@ -13,16 +13,16 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 PANS = 24
-COMFORT_RAD = 0.25  # a joint this far from its limits is as good as any
-NEAR_LIMIT_COST = 4.0  # per rad nearer to a limit than that
+COMFORT_RAD = 0.25  # a greater distance from the joint limits is no better
+NEAR_LIMIT_COST = 4.0  # per rad nearer to a limit than COMFORT_RAD
 TURN_COST = 0.15  # per rad of the largest turn from the present configuration
-LOW_ELBOW_COST = 3.0  # per m that the elbow hangs below the tool: the forearm then comes through the table's edge
+LOW_ELBOW_COST = 3.0  # per m that the elbow hangs below the tool, where the forearm meets the table's edge
 BENT_LIMITS = (0, 1, 2, 3, 5)  # joints that have limits
-LEAST_MARGIN_RAD = 0.05  # of a configuration that is offered at all
+LEAST_MARGIN_RAD = 0.05  # least margin of an offered configuration
 MAP_X, MAP_Y, MAP_STEP_M = (0.40, 0.95), (-0.70, 0.25), 0.05  # of the right hand; the left mirrors y
 MAP_YAW_STEP_RAD = 0.35
 MAP_YAWS, MAP_PANS = np.arange(-3, 4) * MAP_YAW_STEP_RAD, 12
-YAW_COST = 0.3  # per rad that the only direction of a grasp points sideways
+YAW_COST = 0.3  # per rad by which the only direction of a grasp points sideways
 MAP_MARGIN_RAD, MAP_ELBOW_M = 0.12, 0.0  # least margin to joint limits and least height of the elbow over the tool
 
 
@@ -31,7 +31,7 @@ class Reaching:
     """Configurations that put the tool at one of several poses, best first.
 
     Attributes:
-        pose: Shape (k,), which of the poses.
+        pose: Index of the pose, shape (k,).
         joints: Shape (k, 7) [rad].
         cost: Shape (k,), ascending.
     """
@@ -52,19 +52,19 @@ def rotations(yaw: Floats) -> Floats:
 
 
 def limit_margin(hand: Hand, joints: Floats) -> Floats:
-    """Return the distance [rad] of the joint nearest to a limit, shape (k,), of configurations (k, 7)."""
+    """Return the least distance [rad] of any joint to its limit, shape (k,), for configurations (k, 7)."""
     limits = ik.limits(hand)
     room = np.minimum(joints - limits[:, 0], limits[:, 1] - joints)
     return np.asarray(room[:, BENT_LIMITS].min(axis=1))
 
 
 def elbow_height(torso: float, joints: Floats) -> Floats:
-    """Return the height of the elbow over the floor, shape (k,), of configurations (k, 7)."""
+    """Return the height of the elbow over the floor, metres, shape (k,), for configurations (k, 7)."""
     return np.asarray(SHOULDER_M[2] + torso - UPPER_ARM_M * np.sin(joints[:, 1]))
 
 
 def reaching(hand: Hand, torso: float, base_T_tool: list[Pose4], present: Floats) -> Reaching:
-    """Return configurations for level tool poses, at ease, elbow up and near the present one first.
+    """Return configurations for level tool poses, by cost: far from limits, elbow up, near the present one.
 
     Args:
         hand: Which arm.
@@ -88,7 +88,7 @@ def reaching(hand: Hand, torso: float, base_T_tool: list[Pose4], present: Floats
 
 @dataclass(frozen=True, slots=True)
 class ReachMap:
-    """Where, relative to the base, an arm can grasp, back off and lift at one height.
+    """The positions relative to the base where an arm can grasp, back off and lift at one height.
 
     Attributes:
         offsets: Shape (k, 2), object positions in the base frame.
@@ -100,7 +100,7 @@ class ReachMap:
     works: Floats
 
     def quality(self, yaws: Floats | None = None) -> Floats:
-        """Return how good each offset is, shape (k,), 0..1: the mean over directions, or the best of given ones."""
+        """Return the quality of each offset, shape (k,), 0..1: the mean over directions, or the best of given ones."""
         if yaws is None:
             return np.asarray(self.works.mean(axis=1))
         nearest = np.abs(MAP_YAWS[:, None] - yaws).argmin(axis=0)
@@ -110,10 +110,11 @@ class ReachMap:
 
 
 def reach_map(hand: Hand, torso: float, height: float, back_off: float, lift: float) -> ReachMap:
-    """Return the map for tool poses at a height over the floor; a pure function, worth keeping.
+    """Return the reach map for tool poses at a height over the floor.
 
     A direction works at a position if the arm has a configuration for the grasp, for the pregrasp `back_off` before it
-    and for the end of the lift. It counts with its neighbours, since the base stops a little beside the planned pose.
+    and for the end of the lift. Neighbouring positions count too, since the base stops a little beside the planned
+    pose.
     """
     xs, ys = (np.arange(low, high + 1e-9, MAP_STEP_M) for low, high in (MAP_X, MAP_Y))
     ys = ys if hand == "right" else -ys[::-1]
@@ -130,7 +131,7 @@ def reach_map(hand: Hand, torso: float, height: float, back_off: float, lift: fl
 
 
 def _reached(hand: Hand, torso: float, positions: Floats, yaw: Floats) -> NDArray[np.bool_]:
-    """Return whether each level tool pose has a configuration well within the limits with the elbow up."""
+    """Return the mask of level tool poses with a configuration well within the limits and with the elbow up."""
     n = len(positions)
     pan = np.tile(ik.pan_grid(hand, MAP_PANS), n)
     which = np.repeat(np.arange(n), MAP_PANS)
@@ -143,7 +144,7 @@ def _reached(hand: Hand, torso: float, positions: Floats, yaw: Floats) -> NDArra
 
 
 def _all_around(works: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return, shape (x, y, yaw), whether a cell and its eight neighbours work; nothing works beyond the border."""
+    """Return the mask, shape (x, y, yaw), of cells that work with all eight neighbours; beyond the border none does."""
     padded = np.pad(works, ((1, 1), (1, 1), (0, 0)))
     rows, columns, _ = works.shape
     shifted = [padded[i : i + rows, j : j + columns] for i in range(3) for j in range(3)]

@@ -17,5 +17,5 @@ def about(axis: str, angle: float) -> NDArray[np.float64]:
 
 
 def rotation(theta: float) -> NDArray[np.float64]:
-    """Return the rotation by `theta` about z, shape (3, 3): the orientation of an upright thing."""
+    """Return the rotation by `theta` about z, shape (3, 3): the orientation of an upright object."""
     return about("z", theta)

@@ -1,7 +1,7 @@
-"""Mistakes between the parts of a scenario: names, sums, and things that cannot stand where they are put.
+"""Mistakes between the parts of a scenario: names, sums, and objects that cannot stand at their places.
 
-They are looked for in the raw document, not in validated models, so that one run reports them together with the
-mistakes of single values: an entry that is broken in itself is left out of the comparison, its name is not.
+The raw document is checked, not validated models, so that one run reports these mistakes together with those of single
+values. An entry that is broken in itself is not compared with others, but its name is known.
 """
 
 import math
@@ -22,7 +22,7 @@ M = TypeVar("M", bound=BaseModel)
 Mistake = tuple[Address, str]
 Types = Mapping[str, ObjectType]
 ROBOT_HALF_M = 0.334  # half the side of the PR2's square base
-BASE = "base"  # what the robot calls its own place
+BASE = "base"  # the name of the robot's own place in its belief
 OWN_ANCHOR = "names of the form _o1_ are the robot's own; name it without underscores around"
 
 
@@ -48,7 +48,7 @@ def placed(world: Iterable[WorldObject], types: Types) -> dict[str, Pose2]:
 
 
 def _pose(on: str | None, at: Place, objects: Mapping[str, WorldObject]) -> Pose2 | None:
-    """Return the flat pose of something put `at` a place `on` a table or, with None, in the world."""
+    """Return the flat world pose of a place `at` on the table `on`; with None, `at` is in the world."""
     if on is None:
         return at
     return compose2(objects[on].at, at) if on in objects and objects[on].on is None else None
@@ -63,7 +63,7 @@ def _rows(values: Mapping[str, Any], address: tuple[str, ...]) -> list[tuple[int
 
 
 def _readable(values: Mapping[str, Any], address: tuple[str, ...], model: type[M]) -> dict[int, M]:
-    """Return the entries of a list that are sound in themselves, by index."""
+    """Return the entries of a list that are valid in themselves, by index."""
     found = {}
     for i, row in _rows(values, address):
         try:
@@ -153,7 +153,7 @@ def _belief(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
 
 
 def _believed_kinds(values: Mapping[str, Any]) -> dict[str, str | None]:
-    """Return the most likely type of each object the robot is told of; None where that cannot be read."""
+    """Return the most likely type of each object in the prior; None if it cannot be read."""
     address = ("belief", "objects")
     believed = {item.id: item for item in _readable(values, address, BelievedObject).values()}
     kinds: dict[str, str | None] = dict.fromkeys(_ids(values, address))
@@ -239,7 +239,7 @@ def _overhangs(
 
 
 def _robot(values: Mapping[str, Any], world: Mapping[int, WorldObject], types: Types) -> Iterator[Mistake]:
-    """Yield what stands on the floor where the robot's base does."""
+    """Yield a mistake for each object on the floor that overlaps the robot's base."""
     robot = values.get("robot")
     try:
         base = BasePose.model_validate(robot.get("base") if isinstance(robot, dict) else None)

@@ -1,7 +1,7 @@
-"""Reading a scenario file as YAML: its plain values, and where in the text each of them stands.
+"""A scenario file read as YAML: its plain values, and the position of each in the text.
 
 The round-trip loader gives positions and makes no Python objects. Before it runs, the file is walked event by event and
-refused when it is too large, too deep, tagged, or when its aliases would unfold into too many values.
+refused if it is too large, too deep or tagged, or if its aliases would unfold into too many values.
 """
 
 import difflib
@@ -38,10 +38,10 @@ class Document:
     """A scenario file that is YAML, not yet known to be a scenario.
 
     Attributes:
-        file: The file's name as it was given.
-        text: What was read.
-        values: The same in plain dictionaries, lists, strings, numbers and None, with the overrides applied.
-        rules: The extra rule files it names, as paths beside it.
+        file: The given name of the file.
+        text: Its text.
+        values: Its values in plain dictionaries, lists, strings, numbers and None, with the overrides applied.
+        rules: Paths of the extra rule files that it names, relative to its folder.
         overrides: The flags that changed `values`, with the address each of them set.
     """
 
@@ -53,7 +53,7 @@ class Document:
     tree: Any
 
     def effective_text(self) -> str:
-        """Return the text of the scenario that runs: as it was read, or written anew if flags changed it."""
+        """Return the text of the scenario that runs: the original text, or a new one if flags changed values."""
         if not self.overrides:
             return self.text
         stream = StringIO()
@@ -66,10 +66,10 @@ class Document:
         """Return a fault at a value of the file, or at the flag that set it.
 
         Args:
-            address: Keys and indices from the root; what does not exist stands at the deepest part that does.
-            message: What is wrong.
+            address: Keys and indices from the root; a missing part has the position of its deepest existing parent.
+            message: Text of the fault.
             offset: Count of characters into the string value at `address`.
-            at_key: Whether the place is that of the key instead of its value.
+            at_key: Whether the position is that of the key instead of its value.
         """
         at = ".".join(map(str, address))
         flag = next((flag for flag, there in self.overrides if address[: len(there)] == there), None)
@@ -95,16 +95,16 @@ class Document:
                     found = node.lc.key(key) if at_key and i == len(address) - 1 else node.lc.value(key)
                 else:
                     found = node.lc.item(key)
-                place = found or place  # an empty value may have no place of its own
+                place = found or place  # an empty value may have no position of its own
                 node = node[key]
             except (KeyError, IndexError, AttributeError, TypeError):
                 break
         return place
 
     def _inside(self, line: int, column: int, value: str, offset: int) -> tuple[int, int]:
-        """Return where the character at `offset` of a string stands, across folded lines and block scalars.
+        """Return the position of the character at `offset` of a string, also in folded lines and block scalars.
 
-        The value and its source differ in blanks alone, so the visible characters before the place are counted.
+        The value and its source differ in blanks alone, so the visible characters before `offset` are counted.
         """
         lines = self.text.split("\n")
         if lines[line][column : column + 1] in ("|", ">"):
@@ -130,7 +130,8 @@ def load_document(path: Path, overrides: Sequence[str] = ()) -> Document:
     """Return the file as a document, with `a.b=value` overrides applied.
 
     Raises:
-        InputError: If the file cannot be read, is not safe YAML or not a mapping, or an override has no such place.
+        InputError: If the file cannot be read, is not safe YAML or not a mapping, or an override's address does not
+        exist.
     """
     document = read_document(str(path), _text(path), overrides)
     names = document.values.get("rules")
@@ -139,10 +140,10 @@ def load_document(path: Path, overrides: Sequence[str] = ()) -> Document:
 
 
 def read_document(file: str, text: str, overrides: Sequence[str] = ()) -> Document:
-    """Return a text as a document that names no rule files, with `a.b=value` overrides applied.
+    """Return a text as a document without rule files, with `a.b=value` overrides applied.
 
     Raises:
-        InputError: If the text is not safe YAML or not a mapping, or an override has no such place.
+        InputError: If the text is not safe YAML or not a mapping, or an override's address does not exist.
     """
     tree = _parse(file, text)
     if not isinstance(tree, dict):
@@ -155,14 +156,14 @@ def read_document(file: str, text: str, overrides: Sequence[str] = ()) -> Docume
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Return `; did you mean 'x'?`, or the list of what there is."""
+    """Return `; did you mean 'x'?`, or the list of known words."""
     names: Collection[str] = sorted(set(known))
     close = difflib.get_close_matches(word, names, 1)
     return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(names) or 'none'}"
 
 
 def _text(path: Path) -> str:
-    """Return the file's text, with the line ends of this program."""
+    """Return the file's text with line feeds alone as line ends."""
     try:
         with path.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
@@ -179,7 +180,7 @@ def _text(path: Path) -> str:
 
 
 def _parse(file: str, text: str) -> Any:
-    """Return ruamel's tree, or raise the first fault: a broken text has no second place worth naming."""
+    """Return ruamel's tree; raise the first fault, since the rest of a broken text is not reliable."""
     try:
         _refuse_unsafe(file, text)
         return YAML(typ="rt", pure=True).load(text)
@@ -193,7 +194,7 @@ def _parse(file: str, text: str) -> Any:
 
 
 def _refuse_unsafe(file: str, text: str) -> None:
-    """Raise if the text would unfold into more, deeper or other things than a scenario can need."""
+    """Raise if the text would unfold into more, deeper or other values than a scenario can need."""
     sizes: dict[str, int] = {}  # of each anchored value, aliases unfolded
     open_anchors: list[str | None] = []
     started: list[int] = []
@@ -233,7 +234,7 @@ def _line(text: str, line: int) -> str:
 
 
 def _plain(node: Any) -> Any:
-    """Return the value without ruamel's types; anything that is no YAML 1.2 core value becomes its text."""
+    """Return the value without ruamel's types; a value outside the YAML 1.2 core becomes its text."""
     if isinstance(node, dict):
         return {key if isinstance(key, str) else str(key): _plain(value) for key, value in node.items()}
     if isinstance(node, list | tuple):

@@ -1,8 +1,7 @@
-"""Scenario files: a goal, a true world, what the robot is told of it, and how its sensors err.
+"""Scenario files: a goal, a true world, a prior, and the errors of the sensors.
 
-Reading has two stages, since a scenario's rule files say which types exist: `load_document` gives the YAML and the
-names of the rule files, `check` turns the document into a `Scenario` once the types are known. Both raise every fault
-they find.
+Reading has two stages, since a scenario's rule files define types: `load_document` gives the YAML and the names of the
+rule files, `check` turns the document into a `Scenario` once the types are known. Both raise all faults together.
 """
 
 import json
@@ -50,13 +49,13 @@ __all__ = [
 Types = Mapping[str, ObjectType]
 T = TypeVar("T")
 GoalFaults = Callable[[str, frozenset[str]], list[tuple[int, str]]]
-TABLE_HSV = (0.083, 0.46, 0.65)  # wood, of what the scenario gives no colour
+TABLE_HSV = (0.083, 0.46, 0.65)  # wood, for tables without a colour in the scenario
 TABLE_KG = 30.0
-PRIOR_STREAM = 100  # beside the numbers of skolem.sim.truth.noise.Purpose
+PRIOR_STREAM = 100  # differs from all numbers of skolem.sim.truth.noise.Purpose
 
 
 def _unread(goal: str, names: frozenset[str]) -> list[tuple[int, str]]:
-    """Find no fault in a goal: what it may say is known to the reasoner alone."""
+    """Return no faults: the reasoner alone can judge a goal."""
     return []
 
 
@@ -67,7 +66,7 @@ def load_scenario(
 
     Args:
         path: The file.
-        types: Every object type the rules know.
+        types: Every object type of the rules.
         overrides: Changed values, each `a.b=value`.
         goal_faults: As for `check`; by default the goal is not judged.
 
@@ -78,12 +77,12 @@ def load_scenario(
 
 
 def check(document: Document, types: Types, goal_faults: GoalFaults) -> Scenario:
-    """Return the scenario.
+    """Return the scenario of a document.
 
     Args:
-        document: A file that is YAML.
-        types: Every object type the rules know.
-        goal_faults: Called with the goal's text and the names the robot is told; returns (offset, message) pairs.
+        document: A scenario file read as YAML.
+        types: Every object type of the rules.
+        goal_faults: Called with the goal's text and the names in the prior; returns (offset, message) pairs.
 
     Raises:
         InputError: With every fault of the document.
@@ -108,7 +107,7 @@ def schema_text() -> str:
 
 
 def true_bodies(scenario: Scenario, types: Types) -> tuple[TrueBody, ...]:
-    """Return what is really there at the start, in the order of the file."""
+    """Return the true bodies at the start, in the order of the file."""
     return tuple(
         TrueBody(
             id=item.id,
@@ -122,7 +121,7 @@ def true_bodies(scenario: Scenario, types: Types) -> tuple[TrueBody, ...]:
 
 
 def moves_before(scenario: Scenario, types: Types, step: int) -> tuple[tuple[str, Pose4], ...]:
-    """Return what is moved from outside just before the action of that number: (id, new world_T_object)."""
+    """Return (id, new world_T_object) of each object that is disturbed just before action number `step`."""
     items = {item.id: item for item in scenario.world}
     moved = [
         items[move.id].model_copy(update={"on": move.on, "at": move.at})
@@ -134,16 +133,16 @@ def moves_before(scenario: Scenario, types: Types, step: int) -> tuple[tuple[str
 
 
 def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Prior:
-    """Return what the robot is told before it starts.
+    """Return the prior of a run.
 
     The base and the objects `like: world` are drawn around the truth with the stated deviations, from a stream of their
-    own, so that the initial belief is calibrated over seeds. Without noise they are known exactly instead.
+    own, so that the initial belief is calibrated over seeds. Without noise they are known exactly.
 
     Args:
         scenario: The scenario.
         types: Every object type.
-        seed: Of the run.
-        robot: What its encoders say at the start.
+        seed: Seed of the run.
+        robot: The encoder values at the start.
     """
     draw = Generator(PCG64(SeedSequence([seed, 0, PRIOR_STREAM]))).standard_normal
     base, sd = scenario.robot.base, scenario.robot.base_sd
@@ -168,19 +167,19 @@ def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Pri
 
 
 def _sorted(of_types: Mapping[str, T]) -> dict[str, T]:
-    """Return a mapping in the order in which a trace keeps it: shares summed in another one differ in a last digit."""
+    """Return a mapping in the order of a trace, since sums in another order may differ in the last digit."""
     return dict(sorted(of_types.items()))
 
 
 def believed_noise(scenario: Scenario) -> NoiseModel:
-    """Return what the robot believes of its sensors, right or wrong."""
+    """Return the noise that the robot believes its sensors have, right or wrong."""
     return (scenario.true_noise if scenario.model == "same" else scenario.model).message()
 
 
 def _told(
     item: BelievedObject, scenario: Scenario, types: Types, told: Mapping[str, PriorObject], noise: list[float]
 ) -> PriorObject:
-    """Return what the robot is told of one object, given what it was told of those before."""
+    """Return the prior of one object, given those of the objects before it."""
     defaults = scenario.belief.defaults
     sd_xy = defaults.sd_xy_m if item.sd_xy_m is None else item.sd_xy_m
     sd_theta = defaults.sd_theta_rad if item.sd_theta_rad is None else item.sd_theta_rad
@@ -237,12 +236,12 @@ def _log_weight(weight: LogNormal) -> tuple[float, float]:
 
 
 def _invalid(document: Document, error: ValidationError) -> Iterator[Fault]:
-    """Yield pydantic's complaints with their places."""
+    """Yield pydantic's errors as faults with positions."""
     for item in error.errors(include_url=False):
         address = _in_document(document, item["loc"])
         got = item["input"]
         if item["type"] == "string_pattern_mismatch" and address[-1] == "id" and str(got).startswith("_"):
-            continue  # said better by the check for the robot's own anchors
+            continue  # the check of the prior's names gives a better message
         if item["type"] == "extra_forbidden":
             known = nearest(str(item["loc"][-1]), _keys(item["loc"][:-1]))
             yield document.fault(address, f"no such key{known}", at_key=True)
@@ -256,7 +255,7 @@ def _invalid(document: Document, error: ValidationError) -> Iterator[Fault]:
 
 
 def _in_document(document: Document, loc: tuple[int | str, ...]) -> Address:
-    """Return pydantic's location without the names of union branches, which are not in the file."""
+    """Return pydantic's location as an address, without the names of union branches, which are not in the file."""
     node: Any = document.values
     address: list[str | int] = []
     for i, key in enumerate(loc):
@@ -265,7 +264,7 @@ def _in_document(document: Document, loc: tuple[int | str, ...]) -> Address:
             node = node[key]
             address.append(key)
         elif i == len(loc) - 1 and isinstance(node, dict):
-            address.append(key)  # what is missing
+            address.append(key)  # the missing key
     return tuple(address)
 
 

@@ -1,3 +1,3 @@
-"""What worlds and planners both reckon with: footprints, grasps, views, doubts. May import: nothing."""
+"""What worlds and planners both use: footprints, grasps, the camera's geometry, doubts. May import: nothing."""
 
 __all__ = ()

@@ -1,4 +1,4 @@
-"""How uncertain the place of an object is, seen from the robot: what motions must leave room for."""
+"""Doubts: the uncertainty of an object's place relative to the robot, for which motions must leave room."""
 
 import math
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ SPREAD_SDS, SPREAD_STEP_M = 2.0, 0.005
 
 
 class Doubts:
-    """The doubts about places in one belief, whose joint covariance is unpacked once, when it is first needed."""
+    """The doubts in one belief; its joint covariance is unpacked once, on first use."""
 
     def __init__(self, belief: Belief) -> None:
         """Read a belief."""
@@ -25,14 +25,14 @@ class Doubts:
         self._base = next((key for key in belief.keys if key not in belief.objects), None)
 
     def spread(self, anchor: str, limit_m: float) -> float:
-        """Return by how much an object may be beside its mean place, in whole steps, at most `limit_m`."""
+        """Return how far an object may be from its mean place, metres, in whole steps, at most `limit_m`."""
         return _in_steps(_deviation(self.relative_covariance(anchor)), limit_m)
 
     def own_spread(self, anchor: str, limit_m: float) -> float:
-        """Return by how much an object may be beside its place among the others: the least spread relative to one.
+        """Return how far an object may be from its place among the others: the least spread relative to any of them.
 
-        What was seen together shares the error of the camera and of every drive since, so one still hides the other or
-        not.
+        Objects that were seen together share the errors of the camera and of every drive since, so whether one hides
+        the other is less doubtful than their places.
         """
         others = [key for key in self._rows if key != anchor] if anchor in self._rows else []
         if not others:
@@ -42,8 +42,8 @@ class Doubts:
     def relative_covariance(self, anchor: str, other: str | None = None) -> Floats:
         """Return the covariance of other_T_object, shape (3, 3), x, y [m], theta [rad], tangent space, object frame.
 
-        The other is the base unless named: the key of the joint covariance that names no object. Without both rows: the
-        object's own marginal.
+        Without `other`, it is relative to the base: the key of the joint covariance that names no object. If the joint
+        covariance lacks one of the two, it is the object's own marginal.
         """
         objects, base = self._belief.objects, other or self._base
         if base is None or anchor not in self._rows:

@@ -1,4 +1,4 @@
-"""Shapes on the floor or on a table top, seen from above: what overlaps, what hangs over an edge."""
+"""Footprints: outlines of objects seen from above, with their distances, overlaps and overhangs."""
 
 import math
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ class Footprint:
     """A rectangle with rounded corners: a box has no radius, a cylinder no extent.
 
     Attributes:
-        world_T_centre: Where it lies.
+        world_T_centre: Pose of its centre.
         half_m: Half extents of the rectangle along x and y of its own frame.
         radius_m: Added on every side.
     """
@@ -32,7 +32,7 @@ class Footprint:
 
 
 def footprint(object_type: ObjectType, world_T_object: Pose2) -> Footprint:
-    """Return what an upright object of the type covers."""
+    """Return the footprint of an upright object of the type."""
     x, y, _ = object_type.size_m
     if object_type.shape == "cylinder":
         return Footprint(world_T_object, (0.0, 0.0), max(x, y) / 2.0)
@@ -47,7 +47,7 @@ def distance(a: Footprint, b: Footprint) -> float:
 
 
 def overlaps(a: Footprint, b: Footprint) -> bool:
-    """Return whether two footprints overlap by more than a millimetre, so that tables may stand side by side."""
+    """Return whether two footprints overlap by more than a millimetre; so tables may stand side by side."""
     if a.radius_m > TOUCHING_M:
         a = replace(a, radius_m=a.radius_m - TOUCHING_M)
     else:
@@ -56,14 +56,14 @@ def overlaps(a: Footprint, b: Footprint) -> bool:
 
 
 def collide(a: ObjectType, world_T_a: Pose4, b: ObjectType, world_T_b: Pose4) -> bool:
-    """Return whether two upright things would be in one another: at least one of them stands elsewhere."""
+    """Return whether two upright objects would intersect, so that at least one of them must be elsewhere."""
     if world_T_a[2] + a.size_m[2] <= world_T_b[2] or world_T_b[2] + b.size_m[2] <= world_T_a[2]:
         return False
     return overlaps(footprint(a, flat(world_T_a)), footprint(b, flat(world_T_b)))
 
 
 def overhang(inner: Footprint, outer: Footprint) -> float:
-    """Return how far `inner` reaches beyond the rectangle `outer`; negative: the margin left."""
+    """Return how far `inner` reaches beyond the rectangle `outer`, metres; negative values are the remaining margin."""
     outer_T_world = inverse2(outer.world_T_centre)
     beyond = -math.inf
     for x, y in inner.corners():
@@ -83,7 +83,7 @@ def _edges(footprint: Footprint) -> list[tuple[Corner, Corner]]:
 
 
 def _segments(p: Corner, q: Corner, r: Corner, s: Corner) -> float:
-    """Return the distance of two segments in the plane."""
+    """Return the distance between two segments in the plane."""
     if _side(p, q, r) * _side(p, q, s) < 0.0 and _side(r, s, p) * _side(r, s, q) < 0.0:
         return 0.0
     return min(_point(p, r, s), _point(q, r, s), _point(r, p, q), _point(s, p, q))
@@ -94,7 +94,7 @@ def _side(p: Corner, q: Corner, point: Corner) -> float:
 
 
 def _point(point: Corner, p: Corner, q: Corner) -> float:
-    """Return the distance of a point from a segment."""
+    """Return the distance of a point to a segment."""
     dx, dy = q[0] - p[0], q[1] - p[1]
     length2 = dx * dx + dy * dy
     t = 0.0 if length2 == 0.0 else ((point[0] - p[0]) * dx + (point[1] - p[1]) * dy) / length2

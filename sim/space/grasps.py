@@ -1,4 +1,4 @@
-"""Where a hand may hold an upright thing, and where on a table a thing may be put down.
+"""Grasps of upright objects, and spots on tables where objects can be put down.
 
 Grasps are from the side with level fingers. All poses here are in the frame of `base_footprint` unless named otherwise.
 """
@@ -14,17 +14,17 @@ from skolem.traces.messages.poses import compose4, inverse4
 
 Floats = NDArray[np.float64]
 
-WIDEST_M = 0.08  # what fits between open fingers, with 3 mm on each side
+WIDEST_M = 0.08  # widest object between open fingers, with 3 mm on each side
 GRASP_HEIGHT = 0.6  # of the object's height
 PALM_CLEARANCE_M = 0.045  # half the gripper's height: the least height of the tool above the table
 TOP_CLEARANCE_M = 0.01  # the fingers close below the top edge by this much
 PAST_AXIS_M = 0.005  # how far the tool frame goes beyond the object's axis
-FINGERTIP_M = 0.03  # fingertips before the tool frame, with a little air
+FINGERTIP_M = 0.03  # distance of the fingertips before the tool frame, with a little air
 BACK_OFF_M = 0.10  # least distance of the pregrasp
 STEEPEST_RAD = 1.4  # grasps that point further sideways are not tried
 YAWS = 9
 EDGE_M = 0.08  # least distance from an object's centre to the table's edge
-NEIGHBOUR_M = 0.06  # least gap to what stands there already
+NEIGHBOUR_M = 0.06  # least gap to objects on the table
 ENOUGH_M = 0.20  # more distance than this to edges and neighbours is no better
 GRID_M = 0.06
 RELEASE_M = 0.005  # height above the table where the fingers open
@@ -32,31 +32,31 @@ RELEASE_M = 0.005  # height above the table where the fingers open
 
 @dataclass(frozen=True, slots=True)
 class Grasp:
-    """A way of holding: where the tool is at the object, in the frame that the object's pose was given in."""
+    """A grasp: the pose of the tool at the object, in the frame of the object's given pose."""
 
     base_T_tool: Pose4
     tool_T_object: Pose4
 
 
 def widest_half(object_type: ObjectType) -> float:
-    """Return the largest horizontal distance of the outside from the axis."""
+    """Return the largest horizontal distance of an object's surface from its axis, metres."""
     x, y, _ = object_type.size_m
     return math.hypot(x, y) / 2.0 if object_type.shape == "box" else x / 2.0
 
 
 def back_off(object_type: ObjectType, spread_m: float) -> float:
-    """Return how far before the grasp the open fingers are clear of the object and of the doubt about its place."""
+    """Return the distance before the grasp at which open fingers are clear of the object and its doubt, metres."""
     return max(BACK_OFF_M, widest_half(object_type) + spread_m + FINGERTIP_M + PAST_AXIS_M)
 
 
 def tool_height(object_type: ObjectType) -> float:
-    """Return how high above the base face the tool grasps."""
+    """Return the height of the tool above the base face at the grasp, metres."""
     height = object_type.size_m[2]
     return min(max(GRASP_HEIGHT * height, PALM_CLEARANCE_M), height - TOP_CLEARANCE_M)
 
 
 def approach_yaws(object_type: ObjectType, theta: float) -> Floats:
-    """Return directions of the fingers, ascending: a grid for a cylinder, across narrow faces for a box at `theta`."""
+    """Return yaws of the fingers, ascending: a grid for a cylinder, across narrow faces for a box at `theta`."""
     if not object_type.graspable:
         return np.empty(0)
     if object_type.shape == "cylinder":
@@ -76,16 +76,17 @@ def grasp(object_type: ObjectType, base_T_object: Pose4, yaw: float) -> Grasp:
 
 
 def spots(table: ObjectType, thing: ObjectType, others: Floats) -> tuple[Floats, Floats]:
-    """Return places for the centre of `thing` on a table, best first, and the room around each.
+    """Return spots for the centre of an object on a table, best first, and the room around each.
 
     Args:
-        table: Its size; the frame is the table's.
-        thing: What is to be put down.
-        others: Shape (n, 3): x, y and largest half width of what stands on the table.
+        table: The type of the table; positions are in its frame.
+        thing: The type of the object to put down.
+        others: Shape (n, 3): x, y and largest half width of the objects on the table.
 
     Returns:
-        Places, shape (k, 2), by falling room; room, shape (k,): distance to the nearest edge or the gap to the nearest
-        neighbour, at most `ENOUGH_M`. Equal room: nearer to the table's middle line across its depth first.
+        Spots, shape (k, 2), by falling room; room, shape (k,): the distance to the nearest edge or the gap to the
+        nearest neighbour, at most `ENOUGH_M`. For equal room, spots nearer to the middle line across the table's depth
+        come first.
     """
     half, radius = np.array(table.size_m[:2]) / 2.0, widest_half(thing)
     margin = max(EDGE_M, radius)

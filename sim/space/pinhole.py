@@ -17,7 +17,7 @@ COLUMNS, ROWS = 320, 240
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A rigid frame seen from another.
+    """The pose of a rigid frame in another frame.
 
     Attributes:
         origin: Shape (3,), metres.

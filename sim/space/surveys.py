@@ -1,4 +1,4 @@
-"""Looks at a region: which way to turn the head so that most of what is still unseen comes into view."""
+"""Looks at a region: the head angles that show most of its unseen part."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -17,18 +17,18 @@ Mask = NDArray[np.bool_]
 
 NEAREST_M, FARTHEST_M = 0.5, 2.2  # from the camera
 WITHIN = 0.92  # of the image: the base and the head err a little
-ENOUGH_SHARE = 0.3  # of what is unseen: a look that shows so much is worth taking wherever one stands
-ALMOST_BEST = 0.7  # ... as is one that shows so much of what the best stance shows
-LEAST_SHARE = 0.04  # a look that shows less is none
-SAME_HEAD_RAD = 0.04  # a look that would not turn the head by more was just taken: it shows nothing new
-AHEAD = (0.0, 0.0)  # pan and tilt while the base drives: where it arrives no look has been taken yet
+ENOUGH_SHARE = 0.3  # of the unseen part: a look that shows so much is worth taking from any stance
+ALMOST_BEST = 0.7  # ... as is one that shows this fraction of the best stance's share
+LEAST_SHARE = 0.04  # a look that shows less is not worth taking
+SAME_HEAD_RAD = 0.04  # a look that turns the head by less shows nothing new
+AHEAD = (0.0, 0.0)  # pan and tilt while the base drives; no look has been taken yet at its end
 
 
 class Camera(Protocol):
     """A camera that can be turned."""
 
     def look_at(self, point_world: Vector3, /) -> tuple[float, float] | None:
-        """Turn it so that the optical axis goes through a point; None, and nothing turned, beyond its limits."""
+        """Turn the optical axis through a point and return pan and tilt; beyond the limits return None, unturned."""
         ...
 
     def camera_pose(self) -> tuple[Floats, Floats]:
@@ -36,18 +36,18 @@ class Camera(Protocol):
         ...
 
     def unhidden(self, points_world: Floats, /) -> Mask:
-        """Return before which points, shape (n, 3), nothing stands."""
+        """Return the mask, shape (n,), of points (n, 3) that nothing hides."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """A look and what it shows.
+    """A look and the points that it shows.
 
     Attributes:
         head: Pan and tilt.
         target: The point in the middle of the image.
-        shown: Which of the points come into view, shape (n,).
+        shown: Mask of the points that come into view, shape (n,).
     """
 
     head: tuple[float, float]
@@ -56,12 +56,12 @@ class Survey:
 
     @property
     def share(self) -> float:
-        """How much of what is unseen the look shows."""
+        """The share of the unseen points that the look shows."""
         return float(self.shown.mean())
 
 
 def unseen_points(region: RegionBelief, world_T_support: Pose4, top: float) -> Floats:
-    """Return the points of a region that are known to be unseen, shape (n, 3), world; the support is `top` high."""
+    """Return the unseen points of a region, shape (n, 3), metres, world; the support is `top` high."""
     points = [
         compose4(world_T_support, (x / 1000.0, y / 1000.0, top + z / 1000.0, 0.0))[:3] for x, y, z in region.unseen_mm
     ]
@@ -72,7 +72,7 @@ def survey(camera: Camera, points: Floats) -> Survey | None:
     """Turn the head from where the robot stands and return the best of a few looks; None if none shows anything.
 
     Args:
-        camera: What looks, and all that may be in its way.
+        camera: The camera, with the objects that may hide points.
         points: Shape (n, 3), world.
     """
     best: Survey | None = None
@@ -88,12 +88,12 @@ def survey(camera: Camera, points: Floats) -> Survey | None:
 
 
 def was_taken(found: Survey, head: tuple[float, float]) -> bool:
-    """Return whether the head is turned that way already: what the picture should have shown did not appear."""
+    """Return whether the head is turned that way already, so that the look would show nothing new."""
     return bool(np.abs(np.subtract(found.head, head)).max() < SAME_HEAD_RAD)
 
 
 def is_worth_it(here: Survey, others: Callable[[], Iterable[Survey]]) -> bool:
-    """Return whether a look from here shows enough, compared, if need be, with what other stances show."""
+    """Return whether a look from here shows enough, if necessary in comparison with other stances."""
     if here.share >= ENOUGH_SHARE:
         return True
     best = max((found.share for found in others()), default=0.0)
@@ -101,7 +101,7 @@ def is_worth_it(here: Survey, others: Callable[[], Iterable[Survey]]) -> bool:
 
 
 def _aims(camera: Camera, points: Floats) -> list[Vector3]:
-    """Return the middles of what nothing hides: of all of it, of its left and of its right half."""
+    """Return the middles of the unhidden points: of all, of the left half and of the right half."""
     eye, _ = camera.camera_pose()
     open_to = points[_unhidden(camera, points, eye)]
     if not len(open_to):
@@ -124,7 +124,7 @@ def _shown_from(camera: Camera, points: Floats, target: Vector3) -> Survey | Non
 
 
 def _unhidden(camera: Camera, points: Floats, eye: Floats) -> Mask:
-    """Return which points are in range with nothing before them, shape (n,)."""
+    """Return the mask, shape (n,), of points in range that nothing hides."""
     distance = np.linalg.norm(points - eye, axis=1)
     near = (distance >= NEAREST_M) & (distance <= FARTHEST_M)
     return np.asarray(near & camera.unhidden(points))

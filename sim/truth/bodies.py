@@ -1,4 +1,4 @@
-"""What is really there: the bodies a world starts with."""
+"""The true bodies with which a world starts."""
 
 from dataclasses import dataclass
 

@@ -1,6 +1,6 @@
-"""How the simulated sensors and wheels err: keyed random streams, the draws, and the covariance a draw has.
+"""Errors of the simulated sensors and wheels: keyed random streams, the draws, and their covariances.
 
-Everything is drawn as the `NoiseModel` of the true world says. Each consumer has a stream of its own, so that a new
+All errors are drawn from the `NoiseModel` of the true world. Each consumer has a stream of its own, so that a new
 consumer, or one that draws more, shifts no other draw.
 """
 
@@ -25,7 +25,7 @@ RANGE_M = (0.5, 4.5)  # outside of this the sensor returns nothing
 
 
 class Purpose(IntEnum):
-    """What a random stream is for; numbers are part of the trace contract and are never reused."""
+    """The purpose of a random stream; numbers are part of the trace contract and are never reused."""
 
     DEPTH = 1
     EXTRINSICS = 2
@@ -63,15 +63,15 @@ def axial_sd(depth: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def noisy_depth(depth: NDArray[np.float64], scale: float, draws: Generator) -> NDArray[np.float64]:
-    """Return what the sensor reports of a depth image.
+    """Return the noisy readings of a depth image.
 
     Args:
         depth: Exact distance along the camera's axis, shape (rows, columns), metres.
-        scale: Times the axial sd; with 0 the depth is exact, neither stepped nor lost at edges.
+        scale: Factor on the axial sd; with 0 the depth is exact, neither stepped nor lost at edges.
         draws: Generator of this look.
 
     Returns:
-        The same shape; NaN where nothing comes back.
+        Shape (rows, columns), metres; NaN where there is no reading.
     """
     reported = depth.copy()
     if scale > 0.0:
@@ -91,7 +91,7 @@ def extrinsic_error(noise: NoiseModel, draws: Generator) -> Extrinsics:
 
 
 def extrinsic_covariance(noise: NoiseModel, camera_to_object: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the covariance that the calibration error gives the seen pose of an object.
+    """Return the covariance of the calibration error in the seen pose of an object.
 
     To first order the object moves by `shift + rotvec x r`, and turns by the rotation vector's z component.
 
@@ -100,7 +100,7 @@ def extrinsic_covariance(noise: NoiseModel, camera_to_object: NDArray[np.float64
         camera_to_object: r, from the camera to the object, shape (3,), metres, axes with z up.
 
     Returns:
-        Over (x, y, theta) along the axes of `camera_to_object`, shape (3, 3).
+        Shape (3, 3), over (x, y, theta) along the axes of `camera_to_object`.
     """
     x, y, z = camera_to_object
     levers = np.array([[0.0, z, -y], [-z, 0.0, x], [0.0, 0.0, 1.0]])  # d(x, y, theta) / d(rotation vector)
@@ -109,7 +109,7 @@ def extrinsic_covariance(noise: NoiseModel, camera_to_object: NDArray[np.float64
 
 
 def odometry_error(noise: NoiseModel, start_T_end: Pose2, draws: Generator) -> Pose2:
-    """Draw end_T_true: where a base that was told to go to `start_T_end` really ends, seen from there."""
+    """Draw end_T_true: the true pose after a drive commanded to `start_T_end`, in the frame of the commanded end."""
     distance, turn = float(np.hypot(start_T_end[0], start_T_end[1])), abs(half_open_turn(start_T_end[2]))
     sd_m = noise.odometry_sd_m + noise.odometry_sd_per_m * distance
     sd_rad = noise.odometry_sd_rad + noise.odometry_sd_per_rad * turn
