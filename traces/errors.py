@@ -1,9 +1,9 @@
-"""What can go wrong, as a short tree.
+"""The errors that the product raises on purpose, as a short tree.
 
 SkolemError
 ├── InputError        a file, goal, rule or flag given by a person is wrong: every fault at once, exit code 2
 ├── TraceError        a trace cannot be read or is not sound, exit code 3
-│   └── UnwrittenError  one cannot be written to its end: the disk is full
+│   └── UnwrittenError  a trace cannot be written to its end: the disk is full
 └── InternalError     the product's own contract was broken (a rule file without exactly one answer set, ...)
 
 May import: nothing.
@@ -22,7 +22,7 @@ class Fault:
     """One mistake in one place of something a person wrote.
 
     Attributes:
-        file: Name of the file, or of the thing that was given ("--seed", "goal").
+        file: Name of the file, or of the option or argument ("--seed", "goal").
         line: Line, counted from 1; 0 when there is no place.
         column: Column, counted from 1; 0 when there is no place.
         message: What is wrong and what was expected, in one line.
@@ -49,7 +49,7 @@ class Fault:
 
 
 def told(error: BaseException) -> str:
-    """Return an exception as a trace tells it: its type and what it says, but not where files lie on this machine."""
+    """Return an exception as a trace records it: type and message, without the folders of this machine."""
     said = error.strerror or "" if isinstance(error, OSError) else _FOLDERS.sub("", str(error))
     return f"{type(error).__name__}: {said}".rstrip(": ")
 
@@ -59,7 +59,7 @@ class SkolemError(Exception):
 
 
 class InputError(SkolemError):
-    """Something a person wrote is wrong; carries every fault found, sorted by place."""
+    """Input of a person is wrong; carries every fault found, sorted by place."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(sorted(faults))
@@ -71,7 +71,7 @@ class TraceError(SkolemError):
 
 
 class UnwrittenError(TraceError):
-    """A trace cannot be written to its end; the message says where the part lies that could."""
+    """A trace cannot be written to its end; the message names the file that holds the written part."""
 
 
 class InternalError(SkolemError):

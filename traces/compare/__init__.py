@@ -1,3 +1,3 @@
-"""Two runs compared, and golden runs. May import: file."""
+"""Comparison of two runs, and golden runs. May import: file."""
 
 __all__ = ()

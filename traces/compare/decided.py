@@ -1,7 +1,7 @@
-"""Where two runs decide otherwise: what was searched out and done, without the numbers that it was decided by.
+"""The first step at which two runs decide differently: their plans and actions, without the numbers behind them.
 
-Two seeds differ from the first message on, and what they sense in almost every number. That says little; at which step
-the robot does something else says more.
+Runs of two seeds differ from the first message on, and in almost every number that they sense. That says little; the
+step at which the robot does something else says more.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,16 +16,16 @@ DECIDED: Final = {"/action": ("op",), "/run/end": ("status", "anchor"), "/decisi
 
 
 def parting(one: Iterable[Sequence[Recorded]], other: Iterable[Sequence[Recorded]]) -> Divergence | None:
-    """Return where the decisions of two runs part, each given step by step; None if they never do.
+    """Return the first divergence between the decisions of two runs; None if they decide alike to the end.
 
-    Within a step what is done counts before how it was found.
+    Each run is given step by step. Within a step the action is compared before the search that found it.
     """
     comparison = compare_steps(map(_decided, one), map(_decided, other), Tolerance())
     return next(iter(comparison.divergences), None)
 
 
 def _decided(step: Sequence[Recorded]) -> list[Recorded]:
-    """Return what was decided in a step: the act, or the end, then the plans."""
+    """Return the decisions of a step: the action, or the end of the run, then the plans."""
     return sorted(_without_numbers(step), key=lambda message: list(DECIDED).index(message.topic))
 
 

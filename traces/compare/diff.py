@@ -1,7 +1,7 @@
-"""Where two recorded runs part: the first divergence, and how often each field differs.
+"""Comparison of two recorded runs: the first divergence, and how often each field differs.
 
-Bytes are compared first; only messages whose bytes differ are decoded and walked field by field. Integers, booleans and
-strings must be equal; floats may differ by a tolerance, which is data (`tolerances.json`). Without one every byte
+Bytes are compared first; only messages whose bytes differ are decoded and compared by field. Integers, booleans
+and strings must be equal; floats may differ by a tolerance, which is data (`tolerances.json`). Without one every byte
 counts: 0.0 is not -0.0.
 """
 
@@ -35,8 +35,8 @@ class Tolerance:
     Attributes:
         atol: Absolute.
         rtol: Relative.
-        fields: Other (pattern, atol, rtol) of single fields, as topic and path: `/belief*covariance*`; the first that
-            matches counts.
+        fields: Exceptions (pattern, atol, rtol). A pattern is topic and path: `/belief*covariance*`; the first pattern
+            that matches a field counts.
         ignored: Fields that are not compared, as topic and path: `/chain.chain`.
     """
 
@@ -47,11 +47,14 @@ class Tolerance:
 
     @property
     def is_exact(self) -> bool:
-        """Whether nothing may differ."""
+        """Whether no difference at all is allowed."""
         return self == EXACT
 
     def with_floats(self, atol: float | None, rtol: float | None) -> "Tolerance":
-        """Return the tolerance with other bounds for every float, if one is given, and without hashes of floats."""
+        """Return the tolerance with these bounds for every float; hashes of floats are then not compared.
+
+        If neither bound is given, return the tolerance as it is.
+        """
         if atol is None and rtol is None:
             return self
         return Tolerance(atol or 0.0, rtol or 0.0, (), tolerance_for("other machine").ignored)
@@ -61,7 +64,7 @@ class Tolerance:
         bounds = ((atol, rtol) for pattern, atol, rtol in self.fields if fnmatchcase(field, pattern))
         atol, rtol = next(bounds, (self.atol, self.rtol))
         if not (atol or rtol):
-            return repr(a) == repr(b)  # 0.0 == -0.0, but they are other bytes
+            return repr(a) == repr(b)  # 0.0 == -0.0, but their bytes differ
         return abs(a - b) <= max(atol, rtol * max(abs(a), abs(b)))
 
 
@@ -70,7 +73,7 @@ EXACT = Tolerance()
 
 @cache
 def tolerance_for(machine: Literal["equal machine", "other machine"]) -> Tolerance:
-    """Return the tolerance between runs of one machine, or of two, as the table has it."""
+    """Return the tolerance for two runs of one machine, or of two machines, from `tolerances.json`."""
     text = (resources.files("skolem.traces.compare") / "tolerances.json").read_text(encoding="utf-8")
     table = json.loads(text)[machine]
     fields = tuple((row["field"], row["atol"], row["rtol"]) for row in table["fields"])
@@ -79,10 +82,10 @@ def tolerance_for(machine: Literal["equal machine", "other machine"]) -> Toleran
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One field that differs.
+    """A field that differs between two messages.
 
     Attributes:
-        path: Below the message, `.objects.o1.world_T_object[0]`.
+        path: The field inside the message, `.objects.o1.world_T_object[0]`.
         expected: Its value in the first run.
         got: Its value in the second.
     """
@@ -93,7 +96,7 @@ class Change:
 
     @property
     def difference(self) -> float | None:
-        """The distance of two numbers; None of anything else."""
+        """The distance between the values; None if they are not numbers."""
         return abs(self.got - self.expected) if _number(self.expected) and _number(self.got) else None  # type: ignore[operator]
 
     def __str__(self) -> str:
@@ -103,13 +106,13 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """One place where two runs part.
+    """A place where two runs differ.
 
     Attributes:
         step: Number of the decision; -1 before the first.
-        topic: Of the message in the first run, or of the one that is too much in the second.
-        kind: `value`, a field differs; `order`, another topic comes; `length`, one of the runs has no more messages.
-        changes: The fields that differ; of another order or length the topics.
+        topic: Topic of the message in the first run, or of the surplus message in the second.
+        kind: `value`: a field differs; `order`: the topics differ; `length`: one of the runs has no more messages.
+        changes: The fields that differ; for `order` and `length` the topics.
     """
 
     step: int
@@ -118,28 +121,28 @@ class Divergence:
     changes: tuple[Change, ...]
 
     def lines(self) -> list[str]:
-        """Return the divergence as people read it."""
+        """Return the divergence in words."""
         more = f" ({len(self.changes)} fields)" if len(self.changes) > 1 else ""
         where = f"at step {self.step}" if self.step >= 0 else "before the first decision"
         return [f"DIVERGED {where}, {self.topic}: {self.kind}{more}", *(f"  {change}" for change in self.changes[:3])]
 
 
 class Comparison:
-    """Takes in two runs step by step, and keeps what they differ in.
+    """Compares two runs step by step and keeps their differences.
 
     Attributes:
-        compared: Messages of either run, by topic; one that both have counts once.
-        differing: Those that differ beyond tolerance or are in one run only, by topic.
-        missing: Those of them that only the first run has, by topic.
-        surplus: Those of them that only the second run has, by topic.
-        moved: How many would have to be put elsewhere in their step, so that both runs have the same order.
-        tolerated: Floats that differ within tolerance.
+        compared: Number of messages, by topic; a message that both runs have counts once.
+        differing: Number that differ beyond tolerance or stand in one run only, by topic.
+        missing: Number that only the first run has, by topic.
+        surplus: Number that only the second run has, by topic.
+        moved: Number that would have to move within their step, so that both runs have the same order.
+        tolerated: Number of floats that differ within tolerance.
         fields: How often each field differs, by topic and path; indices are written `[]`.
-        divergences: In order; of all but the first only if they are all wanted.
+        divergences: The first divergence; with `keep_all` all of them, in order.
     """
 
     def __init__(self, tolerance: Tolerance, keep_all: bool = False) -> None:
-        """Begin with nothing compared."""
+        """Start an empty comparison."""
         self._tolerance, self._keep_all = tolerance, keep_all
         self.compared: Counter[str] = Counter()
         self.differing: Counter[str] = Counter()
@@ -152,11 +155,11 @@ class Comparison:
 
     @property
     def identical(self) -> bool:
-        """Whether nothing differs."""
+        """Whether the runs agree in every message."""
         return not self.divergences
 
     def in_words(self) -> str:
-        """Return how many messages were compared, and how many of them differ in which way."""
+        """Return the number of messages compared, and the number of differences of each kind."""
         missing, surplus = self.missing.total(), self.surplus.total()
         found = {
             "differ": self.differing.total() - missing - surplus,
@@ -168,11 +171,11 @@ class Comparison:
         return f"{self.compared.total()} messages: {', '.join(said) or 'IDENTICAL'}"
 
     def by_frequency(self) -> list[tuple[str, int]]:
-        """Return the fields that differ, the most frequent first, those that are as frequent by name."""
+        """Return the fields that differ, the most frequent first; equally frequent ones by name."""
         return sorted(self.fields.items(), key=lambda counted: (-counted[1], counted[0]))
 
     def add(self, step: int, expected: Sequence[Recorded], got: Sequence[Recorded]) -> bool:
-        """Take in the messages of one step; return whether they agree."""
+        """Compare the messages of one step; return whether they agree."""
         one, other = (Counter(message.topic for message in side) for side in (expected, got))
         self.compared += one | other
         if [(m.topic, m.data, m.tick) for m in expected] == [(m.topic, m.data, m.tick) for m in got]:
@@ -187,7 +190,7 @@ class Comparison:
         return False
 
     def _parting(self, step: int, expected: Sequence[Recorded], got: Sequence[Recorded]) -> Iterator[Divergence]:
-        """Yield where two lists of messages part, in order; the first is the cause."""
+        """Yield the divergences of two lists of messages in order; the first is the cause of the others."""
         for a, b in zip_longest(expected, got):
             if a is None or b is None:
                 shorter = Change("", ABSENT if a is None else a.topic, ABSENT if b is None else b.topic)
@@ -212,12 +215,12 @@ class Comparison:
                 self.tolerated += 1
             else:
                 found.append(change)
-        if not found and self._tolerance.is_exact:  # the same values, written in another way
+        if not found and self._tolerance.is_exact:  # equal values, encoded differently
             found.append(_in_bytes(a.data, b.data))
         return tuple(found)
 
     def _count(self, expected: Sequence[Recorded], got: Sequence[Recorded]) -> None:
-        """Count the fields that differ, comparing the n-th messages of each topic."""
+        """Count the fields that differ; the n-th message of a topic is compared with the n-th."""
         tolerated = self.tolerated
         self.moved += _moved(expected, got)
         for topic in dict.fromkeys(m.topic for m in (*expected, *got)):
@@ -240,14 +243,14 @@ def compare(
     keep_all: bool = False,
     topics: Collection[str] = NOT_TIMED,
 ) -> Comparison:
-    """Return how two recorded runs compare, step by step.
+    """Compare two recorded runs step by step.
 
     Args:
         expected: The first run.
         got: The second.
         tolerance: How far floats may lie apart; by default every byte counts.
         keep_all: Whether every divergence is kept; by default only the first is.
-        topics: What is compared; by default everything but wall times.
+        topics: The topics to compare; by default all but wall times.
 
     Raises:
         TraceError: If a trace cannot be read.
@@ -267,7 +270,7 @@ def compare_steps(
     tolerance: Tolerance,
     keep_all: bool = False,
 ) -> Comparison:
-    """Return how two runs compare, each given step by step as `by_step` yields them."""
+    """Compare two runs, each given step by step as `by_step` yields them."""
     comparison = Comparison(tolerance, keep_all)
     for number, (a, b) in enumerate(zip_longest(expected, got, fillvalue=())):
         comparison.add(number - 1, a, b)
@@ -275,7 +278,7 @@ def compare_steps(
 
 
 def by_step(messages: Iterable[Recorded]) -> Iterator[list[Recorded]]:
-    """Yield what comes before the first decision, then the messages of each step: every belief begins one."""
+    """Yield the messages before the first decision, then those of each step; every belief begins a step."""
     group: list[Recorded] = []
     for message in messages:
         if message.topic == "/belief":
@@ -302,10 +305,10 @@ def fields_of(message: Recorded) -> Any:
 
 
 def _moved(expected: Sequence[Recorded], got: Sequence[Recorded]) -> int:
-    """Return how many of the messages that both have are not among the most whose order is the same."""
+    """Return how many common messages stand outside the longest common order."""
     places = {numbered: place for place, numbered in enumerate(_numbered(got))}
     order = [places[numbered] for numbered in _numbered(expected) if numbered in places]
-    ends: list[int] = []  # of the best rising sequences by their length: the longest is what need not be moved
+    ends: list[int] = []  # last value of the best rising sequence of each length: the longest one need not be moved
     for place in order:
         at = bisect_left(ends, place)
         ends[at : at + 1] = [place]
@@ -313,7 +316,7 @@ def _moved(expected: Sequence[Recorded], got: Sequence[Recorded]) -> int:
 
 
 def _numbered(messages: Sequence[Recorded]) -> Iterator[tuple[str, int]]:
-    """Yield the topic of each message and how many of that topic came before."""
+    """Yield the topic of each message and the number of earlier messages of that topic."""
     before: Counter[str] = Counter()
     for message in messages:
         yield message.topic, before[message.topic]
@@ -333,7 +336,7 @@ def _walk(a: Any, b: Any, path: str) -> Iterator[Change]:
 
 
 def _in_bytes(a: bytes, b: bytes) -> Change:
-    """Return from where on two messages are written otherwise."""
+    """Return the first difference between the bytes of two messages."""
     same = next(i for i, (x, y) in enumerate(zip_longest(a, b)) if x != y)
     expected, got = (data[same : same + SHOWN].decode(errors="backslashreplace") for data in (a, b))
     return Change(".bytes", expected, got)
@@ -344,7 +347,7 @@ def _number(value: object) -> bool:
 
 
 def _floats(change: Change) -> bool:
-    """Return whether both values are numbers and one is no integer."""
+    """Return whether both values are numbers and at least one is a float."""
     return _number(change.expected) and _number(change.got) and float in (type(change.expected), type(change.got))
 
 

@@ -1,4 +1,4 @@
-"""Golden traces: recorded runs that are kept beside the tests, decisions only, and the manifest that describes them."""
+"""Golden traces, which hold the decisions of recorded runs for the tests, and the manifest that describes them."""
 
 import json
 import tomllib
@@ -15,22 +15,22 @@ from skolem.traces.messages import Message, WorldName
 
 MANIFEST = "MANIFEST.toml"
 MAX_BYTES = 200_000  # of one golden trace
-ONE_CHUNK_BYTES = 1 << 26  # a golden trace is one chunk: what repeats from step to step compresses best together
+ONE_CHUNK_BYTES = 1 << 26  # a golden trace is one chunk: what repeats in every step compresses best in one piece
 HEAD = """# Recorded runs that every version must decide in the same way. Made by `skolem trace bless`, never by hand.
 # A table per trace: what was run, what it is for, why it was changed last, and what is in it.
 """
 
 
 class Golden(Message):
-    """One golden trace, as the manifest describes it: how it is made, and, once it was, what is in it.
+    """The manifest's description of one golden trace: the recipe, and the result once the trace is made.
 
     Attributes:
         scenario: Path of the scenario file, from the root of the checkout.
-        seed: Of every draw.
-        world: Which simulator.
+        seed: Seed of every random draw.
+        world: Name of the simulator.
         overrides: Changed values of the scenario, each `a.b=value`.
-        why: What this trace is for.
-        reason: Why it was made, or changed last.
+        why: Purpose of this trace.
+        reason: Why the trace was made, or changed last.
         decision_hash: Hash of what the robot sensed, believed and decided.
         status: How the run ended.
         steps: Executed actions.
@@ -74,19 +74,19 @@ def write_manifest(folder: Path, goldens: Mapping[str, Golden]) -> None:
 
 
 def is_text(value: str) -> bool:
-    """Return whether a manifest can hold a text: one from the command line may have bytes that are no characters."""
+    """Return whether a manifest can hold a text; a text from the command line may hold bytes that are no characters."""
     return not any("\ud800" <= c <= "\udfff" for c in value)
 
 
 def golden_path(folder: Path, name: str) -> Path:
-    """Return where a golden trace lies."""
+    """Return the path of a golden trace."""
     return folder / f"{name}.mcap"
 
 
 def keep_decisions(source: Path, target: Path) -> None:
-    """Copy a trace without the truth and without wall times: the same messages, so the same decision hash.
+    """Copy a trace without the truth and without wall times.
 
-    The hash of its content is that of what is kept.
+    The decision hash stays the same; the content hash becomes the one of the copied messages.
 
     Raises:
         TraceError: If `source` cannot be read.
@@ -105,7 +105,7 @@ def keep_decisions(source: Path, target: Path) -> None:
 
 
 def _copy_decision(record: object, schemas: dict[int, Schema], copy: Copy, kept: ContentHash) -> None:
-    """Copy a record unless it is, or belongs to, a channel without decisions."""
+    """Copy a record; leave out channels without decisions, and their messages."""
     match record:
         case Schema(id=number):
             schemas[number] = record
@@ -129,5 +129,5 @@ def _table(name: str, golden: Golden) -> str:
 
 
 def _toml(value: object) -> str:
-    """Return a value in TOML: JSON's strings, numbers and arrays of strings are TOML's too, but for one character."""
+    """Return a value in TOML, which writes strings, numbers and arrays as JSON does, but for one character."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,3 +1,3 @@
-"""One MCAP file: written, read, followed while it grows, checked, recovered. May import: nothing."""
+"""One trace as an MCAP file: writing, reading, following while it grows, checking, recovering. May import: nothing."""
 
 __all__ = ()

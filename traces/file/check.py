@@ -1,7 +1,7 @@
-"""Whether a trace is sound: what can be said of a file by itself, without simulator, estimator or reasoner.
+"""Checks of a trace by itself, without simulator, estimator or reasoner.
 
-The file is read once, from the beginning, with the memory of one chunk. The first fault ends the reading: what follows
-a fault may be a consequence of it.
+The file is read once, from the beginning, with one chunk in memory. The first fault ends the reading: later ones may be
+consequences of it.
 """
 
 from dataclasses import dataclass
@@ -46,15 +46,15 @@ ENCODINGS = {True: ("jsonschema", "json"), False: ("protobuf", "protobuf")}  # b
 
 @dataclass(frozen=True, slots=True)
 class Flaw:
-    """The first thing that is wrong with a trace.
+    """The first fault of a trace.
 
     Attributes:
         message: What is wrong.
         remedy: What to do.
-        byte: Where in the file the record begins that shows it (for a message, its chunk); None for the whole file.
-        number: Which message, counted from 0 in file order; None if it is no message.
-        topic: Of that message.
-        step: Of the decision that message belongs to; None before the first.
+        byte: Offset in the file of the record that shows it (for a message, of its chunk); None for the whole file.
+        number: Index of the message, counted from 0 in file order; None if the fault is not in a message.
+        topic: Topic of that message.
+        step: Number of the decision that the message belongs to; None before the first.
     """
 
     message: str
@@ -70,7 +70,7 @@ class Flaw:
 
     @property
     def place(self) -> str:
-        """The place in words, with a colon; empty for the whole file."""
+        """The position in words, with a colon; empty for the whole file."""
         parts = [
             *([] if self.number is None else [f"message {self.number}"]),
             *([] if self.topic is None else [self.topic]),
@@ -87,11 +87,11 @@ class Checked:
     Attributes:
         path: The file.
         flaw: The first fault; None if the trace is sound.
-        messages: Messages read, to the end or to the fault.
-        steps: Executed actions among them.
-        content_hash: Of what was read but wall times.
-        decision_hash: Of what the robot sensed, believed and decided.
-        remarks: What is unusual and no fault.
+        messages: Number of messages read, to the end or to the fault.
+        steps: Number of executed actions among them.
+        content_hash: Hash of what was read, without wall times.
+        decision_hash: Hash of what the robot sensed, believed and decided.
+        remarks: Unusual points that are no faults.
     """
 
     path: Path
@@ -104,12 +104,12 @@ class Checked:
 
     @property
     def sound(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether the trace has no fault."""
         return self.flaw is None
 
 
 def check(path: Path) -> Checked:
-    """Read a trace from end to end and return the first fault, if there is one."""
+    """Read a trace from beginning to end and return the first fault, if there is one."""
     examiner = _Examiner()
     flaw = _first_flaw(path, examiner)
     hashes = examiner.hashes
@@ -145,7 +145,7 @@ _expected_schema = cache(schema_bytes)
 
 
 class _Examiner:
-    """What a trace says, compared with itself."""
+    """Compares the parts of a trace with one another."""
 
     def __init__(self) -> None:
         self.hashes = ContentHash()
@@ -154,7 +154,7 @@ class _Examiner:
         self._counters = {"decision": 0, "truth": 0, "perf": 0}
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, str] = {}
-        self._older: dict[str, KnownFields | None] = {}  # by topic whose schema is not this version's; None of protobuf
+        self._older: dict[str, KnownFields | None] = {}  # topics whose schema is of another version; None for protobuf
         self._attached: dict[str, str] = {}
         self._metadata: dict[str, dict[str, str]] = {}
         self._start: RunStart | None = None
@@ -166,7 +166,7 @@ class _Examiner:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is unusual so far, and no fault."""
+        """Unusual points so far that are no faults."""
         older = (OLDER.format(topics=", ".join(sorted(self._older))),) if self._older else ()
         return older if CONTENT in self._metadata else (*older, HASHLESS)
 
@@ -193,7 +193,7 @@ class _Examiner:
         return []
 
     def _take_file(self, name: str, record: Metadata | Attachment) -> None:
-        """Take in what the run was made of, which stands before its first message, and what it came to: each once."""
+        """Take in the inputs of the run, which stand before its first message, or its hash at the end: each once."""
         known = self._metadata if isinstance(record, Metadata) else self._attached
         if name in known or (self.number and (known is self._attached or name != CONTENT)):
             self._fail(f"{name} is there twice, or after the first message", AGAIN)
@@ -224,7 +224,7 @@ class _Examiner:
             self._fail(f"has schema version {written}, known is {SCHEMA_VERSION}", FOREIGN)
 
     def _take_channel(self, channel: Channel) -> None:
-        """Compare a topic's schema with the one this version would write; fields may have been added since."""
+        """Compare a topic's schema with the one of this version, which may have more fields."""
         topic, schema = channel.topic, self._schemas.get(channel.schema_id)
         if topic not in CLASS_OF:
             self._fail(f"there is no topic {topic}", FOREIGN)
@@ -245,7 +245,7 @@ class _Examiner:
             self._fail(f"the schema of {topic} is no JSON Schema", AGAIN)
 
     def _take_message(self, topic: str, record: McapMessage) -> None:
-        """Compare a message with those before and with its own schema."""
+        """Compare a message with earlier messages and with its own schema."""
         message, counter = self._decoded(topic, record.data), counter_of(topic)
         if counter == "decision":
             self._step = getattr(message, "step", self._step)
@@ -281,7 +281,7 @@ class _Examiner:
         return message
 
     def _encoded(self, topic: str, message: Message | Protobuf) -> bytes | None:
-        """Return a message as the version that wrote it would have; None if that cannot be told."""
+        """Return the bytes that the recording version would write for a message; None if they are not known."""
         if topic not in self._older:
             return encode(topic, message)
         known = self._older[topic]
@@ -293,7 +293,7 @@ class _Examiner:
             self._fail(f"the schema of {topic} is none that a trace can have: {error}", AGAIN)
 
     def _check_order(self, topic: str, message: object) -> None:
-        """See to it that the run begins with its start and ends with its end."""
+        """Check that the run begins with its start and ends with its end."""
         if self._start is not None and topic == "/run/start":
             self._fail("the run starts twice", AGAIN)
         if self._ended:
@@ -307,10 +307,10 @@ class _Examiner:
                 self._fail(said, AGAIN)
 
     def end(self) -> None:
-        """Take notice that the container has ended.
+        """Check that the run is complete at the end of the container.
 
         Raises:
-            _UnsoundError: If the run has not, or its content is not what the trace says it was.
+            _UnsoundError: If the run has no end, or its content does not match the recorded hash.
         """
         self._byte = None
         if self._start is None:
@@ -320,7 +320,7 @@ class _Examiner:
         self._compare_content()
 
     def _compare_content(self) -> None:
-        """Compare all but wall times, and their order, with the hash that the writer put behind them."""
+        """Compare all messages but wall times, and their order, with the hash that the writer recorded."""
         written = self._metadata.get(CONTENT)
         if written is None or written == self.hashes.metadata:
             return

@@ -1,4 +1,4 @@
-"""The records inside a chunk: its checksum compared, and no more unpacked than a trace ever has in one."""
+"""The records inside a chunk, read with a check of its checksum and of its size."""
 
 import struct
 from typing import Final
@@ -8,8 +8,8 @@ from mcap.records import Channel, Chunk, Message as McapMessage, Schema
 from mcap.stream_reader import breakup_chunk
 from zstandard import ZstdError, frame_content_size
 
-MOST_BYTES: Final = 1 << 27  # a chunk is 64 KiB and what its last message is above that; of a golden trace, 64 MiB
-DAMAGE: Final = (  # what the container library raises at bytes that are not as any container is written
+MOST_BYTES: Final = 1 << 27  # a chunk is 64 KiB and the rest of its last message; in a golden trace it is 64 MiB
+DAMAGE: Final = (  # errors of the container library for damaged bytes
     McapError,
     ZstdError,
     ValueError,
@@ -22,15 +22,15 @@ DAMAGE: Final = (  # what the container library raises at bytes that are not as 
 
 
 class TooLargeError(ValueError):
-    """A chunk would be larger than any that a trace has."""
+    """A chunk is larger than any that the product writes."""
 
 
 def records_in(chunk: Chunk) -> list[Schema | Channel | McapMessage]:
     """Return the records inside a chunk.
 
     Raises:
-        TooLargeError: If it is larger than `MOST_BYTES`, before it is unpacked.
-        McapError, ZstdError, ..: `DAMAGE`, if it does not match its checksum.
+        TooLargeError: If the chunk is larger than `MOST_BYTES`; it is not unpacked then.
+        McapError, ZstdError, ..: One of `DAMAGE`, if the chunk does not match its checksum.
     """
     size = chunk.uncompressed_size
     if chunk.compression == "zstd":

@@ -11,5 +11,5 @@ def time_ns(tick: int) -> int:
 
 
 def tick_at(log_time_ns: int) -> int:
-    """Return the tick whose `time_ns` this is; the exact inverse of it."""
+    """Return the tick of a log time: the exact inverse of `time_ns`."""
     return -(-log_time_ns * TICKS_PER_SECOND // NANOSECONDS)

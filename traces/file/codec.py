@@ -1,4 +1,4 @@
-"""One byte string per message, one schema per topic, and the hashes that say whether two runs agree.
+"""Encoding of messages as bytes, schemas of topics, and hashes that show whether two runs agree.
 
 JSON topics hold canonical JSON (sorted keys, no spaces, UTF-8); protobuf topics hold deterministic serialisations.
 """
@@ -17,8 +17,8 @@ from skolem.traces.errors import InternalError
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, PERF, PROTOBUF_TOPICS, TRUTH, Message
 
 NO_CHAIN = "0" * 32
-CONTENT = "content"  # metadata at the end of a trace: the hash of what stands before it
-STEP_DIGITS = 16  # of the hash at the end of a step: enough to tell where a change is
+CONTENT = "content"  # name of the metadata at the end of a trace with the hash of the messages before it
+STEP_DIGITS = 16  # kept digits of the hash at the end of each step: enough to find the step of a change
 
 
 def encode(topic: str, message: Message | Protobuf) -> bytes:
@@ -51,7 +51,7 @@ def decode(topic: str, data: bytes) -> Message | Protobuf:
 
 
 def misfit(error: ValueError) -> str:
-    """Return in one line why `decode` refused a message: the first field that does not fit, and what was expected."""
+    """Return in one line why `decode` refused a message: the first wrong field, and what was expected."""
     if not isinstance(error, ValidationError):
         return f"does not follow its schema: {error}"
     first = error.errors(include_url=False)[0]
@@ -72,27 +72,27 @@ def schema_name(topic: str) -> str:
 
 @cache
 def schema_bytes(topic: str) -> bytes:
-    """Return the topic's JSON Schema, or its protobuf descriptor set, as one byte string per value."""
+    """Return the topic's JSON Schema, or its protobuf descriptor set; equal schemas give equal bytes."""
     if topic in JSON_TOPICS:
         schema = JSON_TOPICS[topic][0].model_json_schema()
         return json.dumps(schema, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
-    from mcap_protobuf.schema import build_file_descriptor_set  # most of protobuf, which a replay does without
+    from mcap_protobuf.schema import build_file_descriptor_set  # loads most of protobuf, which a replay does not need
 
     return bytes(build_file_descriptor_set(protobuf_class(topic)).SerializeToString(deterministic=True))
 
 
 def counter_of(topic: str) -> str:
-    """Return which gap-free sequence counter the topic shares; INPUT and DERIVED together are the decisions."""
+    """Return the name of the gap-free sequence counter of a topic; INPUT and DERIVED share the counter of decisions."""
     return {TRUTH: "truth", PERF: "perf"}.get(CLASS_OF[topic], "decision")
 
 
 class ContentHash:
-    """Two running sha256: over everything but PERF, and over the decisions (INPUT and DERIVED) alone.
+    """Two running sha256: one over everything but PERF, one over the decisions (INPUT and DERIVED) alone.
 
-    Independent of compression, chunks and metadata: a new compression library changes a file, not its hash.
+    They do not depend on compression, chunks or metadata: a new compression library changes a file, not its hash.
 
     Attributes:
-        steps: The first digits of the content hash as it was at the end of each step, so that a change has a place.
+        steps: The first digits of the content hash at the end of each step, by which the step of a change is found.
     """
 
     def __init__(self) -> None:
@@ -115,12 +115,12 @@ class ContentHash:
 
     @property
     def metadata(self) -> dict[str, str]:
-        """What a trace says of its own content once it is complete, as metadata of the name `CONTENT`."""
+        """The metadata `CONTENT` of a complete trace: its content hash, and the digits of each step."""
         return {"sha256": self.content, "steps": " ".join(self.steps)}
 
     @property
     def content(self) -> str:
-        """Hash of what was recorded, in hexadecimal."""
+        """Hash of everything but PERF, in hexadecimal."""
         return self._content.hexdigest()
 
     @property
@@ -130,21 +130,24 @@ class ContentHash:
 
 
 class HashChain:
-    """Each link hashes the link before and the decisions since: equal links mean that two runs agree so far."""
+    """A chain of hashes: each link covers the link before and the decisions since.
+
+    Equal links mean that two runs agree up to there.
+    """
 
     def __init__(self, link: str = NO_CHAIN) -> None:
-        """Begin after a link; by default with none before."""
+        """Start a chain after `link`; by default a new chain."""
         self.link = link
         self._next = self._start()
 
     def add(self, topic: str, data: bytes) -> None:
-        """Take in the next message in file order; TRUTH, PERF and the chain itself are passed over."""
+        """Take in the next message in file order; TRUTH, PERF and the chain itself are ignored."""
         if counter_of(topic) == "decision" and topic != "/chain":
             for part in _length_prefixed(topic.encode(), data):
                 self._next.update(part)
 
     def close(self) -> str:
-        """Return the link over everything added since the last one, and start the next."""
+        """Return the link over the messages since the last link, and start the next one."""
         self.link = self._next.hexdigest()
         self._next = self._start()
         return self.link

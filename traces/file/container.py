@@ -1,6 +1,6 @@
-"""The container of a trace, record by record, each with its place in the file: for checking and recovery.
+"""The container of a trace, record by record, each with its offset in the file: for checking and recovery.
 
-What is read here trusts nothing: lengths are compared with the file, and what has a checksum of its own with that.
+Nothing is trusted here: lengths are compared with the size of the file, and data with their checksums.
 """
 
 import struct
@@ -22,18 +22,18 @@ from skolem.traces.errors import Fault, InputError, TraceError
 from skolem.traces.file.chunks import DAMAGE, TooLargeError, records_in
 from skolem.traces.file.writer import LIBRARY, refuse_special
 
-HEAD_SIZE = 1 + 8  # of every record: what it is, and its length
+HEAD_SIZE = 1 + 8  # bytes at the start of every record: its kind and its length
 CRC_SIZE = 4
 KINDS = {int(opcode): opcode.name.lower().replace("_", " ") for opcode in Opcode}
 
 
 class DamageError(TraceError):
-    """Something in the file is not as any container is written.
+    """A record of the file is damaged.
 
     Attributes:
-        byte: Where the damaged record begins.
+        byte: Offset of the damaged record.
         message: What is wrong with it.
-        end: Where the record ends, if its length can be believed.
+        end: Offset of its end; None if its length cannot be trusted.
     """
 
     def __init__(self, byte: int, message: str, end: int | None = None) -> None:
@@ -46,9 +46,9 @@ class Piece:
     """One record of the container.
 
     Attributes:
-        byte: Where it begins in the file.
+        byte: Its offset in the file.
         data: Its bytes.
-        record: What they mean; chunks are left whole.
+        record: The decoded record; chunks are left whole.
     """
 
     byte: int
@@ -109,19 +109,19 @@ def _parsed(byte: int, kind: int, data: bytes) -> Any:
 
 
 class Copy:
-    """A container being written from the records of others; used as a context manager.
+    """A container that is written from records of other containers; used as a context manager.
 
-    The file is called `NAME.copying` until it is complete; after an exception nothing is left.
+    The file is called `NAME.copying` until it is complete; an exception removes it.
 
     Raises:
-        InputError: Wherever it is written to, if that is not possible.
+        InputError: From every method that writes, if the file cannot be written.
     """
 
     def __init__(self, path: Path, chunk_bytes: int) -> None:
         """Create the partial file.
 
         Raises:
-            InputError: If the file cannot be created, or is there already.
+            InputError: If the file cannot be created, or exists already.
         """
         refuse_special(path)
         self.path = path
@@ -140,7 +140,7 @@ class Copy:
         self._topics: dict[int, str] = {}
 
     def start(self, profile: str = "", library: str = LIBRARY) -> None:
-        """Begin the file, if it has not begun; records of any kind but a header do so by themselves."""
+        """Begin the file, if it has not begun; every record but a header does so by itself."""
         if not self._started:
             with self._on_disk():
                 self._mcap.start(profile=profile, library=library)
@@ -155,7 +155,7 @@ class Copy:
         return self._topics[channel]
 
     def add(self, record: object) -> None:
-        """Append a record as it was; what is not for a writer to write (indexes, checksums) is passed over."""
+        """Append a record unchanged; indexes and checksums are left out, for the new file gets its own."""
         if isinstance(record, Header):
             self.start(record.profile, record.library)
         self.start()
@@ -199,7 +199,7 @@ class Copy:
                     self._file.close()
                     self._partial.replace(self.path)
         finally:
-            with suppress(OSError):  # what is still to be written may have no room
+            with suppress(OSError):  # the rest may have no room on the disk
                 self._file.close()
             self._partial.unlink(missing_ok=True)
 

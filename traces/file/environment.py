@@ -1,4 +1,4 @@
-"""The machine and the library versions of a run: recorded beside it, outside every hash."""
+"""The machine and the library versions of a run, which are recorded outside every hash."""
 
 import os
 import platform
@@ -25,7 +25,7 @@ SIMD_PREFIXES = ("avx", "fma", "sse4")
 
 
 def environment() -> dict[str, str]:
-    """Return what may explain that another machine computes other last digits: no date, host name or path."""
+    """Return what may explain that two machines differ in last digits: no date, host name or path."""
     return {
         "python": platform.python_version(),
         "system": platform.system(),
@@ -36,7 +36,7 @@ def environment() -> dict[str, str]:
     } | {f"version {name}": _version(name) for name in PACKAGES}
 
 
-@cache  # a library that was loaded stays as it is
+@cache  # a loaded library does not change
 def _version(package: str) -> str:
     try:
         return version(package)
@@ -45,7 +45,7 @@ def _version(package: str) -> str:
 
 
 def _simd_flags(cpu_info: Path = Path("/proc/cpuinfo")) -> str:
-    """Return the vector instructions of the first processor, sorted; empty where the system does not say."""
+    """Return the vector instructions of the first processor, sorted; empty if the system does not list them."""
     if not cpu_info.exists():
         return ""
     lines = (line for line in cpu_info.read_text().splitlines() if line.startswith(("flags", "Features")))

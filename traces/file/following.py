@@ -1,6 +1,6 @@
-"""Read a trace while it is being written: every chunk as soon as it is on the disk.
+"""Reading of a trace while it is written: every chunk as soon as it is on the disk.
 
-The writer knows nothing of it. A run puts what it recorded on the disk at the end of each step.
+The writer does not know of the reader. A run writes its messages to the disk at the end of each step.
 """
 
 import struct
@@ -22,9 +22,9 @@ _HEADER = struct.Struct("<BQ")  # operation code and length of a record
 
 
 def follow(path: Path) -> Iterator[Recorded | None]:
-    """Yield the messages of a growing trace in file order, and None whenever there is no more for now.
+    """Yield the messages of a growing trace in file order, and None whenever no further message is there yet.
 
-    It ends with the trace; the caller waits between a None and the next, and stops when nobody writes any more.
+    The iterator ends with the trace. After a None the caller waits, and it stops when nobody writes any more.
 
     Raises:
         TraceError: If the file does not begin as an MCAP file.
@@ -50,7 +50,7 @@ def follow(path: Path) -> Iterator[Recorded | None]:
 
 
 def _record(file: IO[bytes]) -> tuple[int, bytes] | None:
-    """Return the next record's code and the whole of it; None, and the file as it was, if it is not complete."""
+    """Return the code and the bytes of the next record; None if it is incomplete, with the file where it was."""
     start = file.tell()
     header = _complete(file, _HEADER.size)
     if header is not None:
@@ -63,7 +63,7 @@ def _record(file: IO[bytes]) -> tuple[int, bytes] | None:
 
 
 def _complete(file: IO[bytes], size: int) -> bytes | None:
-    """Return so many bytes; None, and the file as it was, if there are fewer."""
+    """Return the next `size` bytes; None if there are fewer, with the file where it was."""
     start = file.tell()
     data = file.read(size)
     if len(data) == size:
@@ -73,7 +73,7 @@ def _complete(file: IO[bytes], size: int) -> bytes | None:
 
 
 def _messages(data: bytes, channels: dict[int, Channel]) -> Iterator[Recorded]:
-    """Yield the messages of a chunk; the channels it introduces are added."""
+    """Yield the messages of a chunk, and add its channels to `channels`."""
     for record in records_in(Chunk.read(ReadDataStream(BytesIO(data)))):
         if isinstance(record, Channel):
             channels[record.id] = record

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-HELD: Final = (  # the last by the command line, for one that was lost
+HELD: Final = (  # the command line raises the last one again after a lost interrupt
     signal.SIGINT,
     signal.SIGTERM,
     signal.SIGHUP,
@@ -18,8 +18,8 @@ HELD: Final = (  # the last by the command line, for one that was lost
 def interrupts_held() -> Iterator[None]:
     """Let the block run to its end, then deliver an interrupt that came meanwhile.
 
-    Only signals that have a handler in Python are held: the others end the process without asking it. Python delivers
-    signals to the main thread alone, so in any other thread there is nothing to hold.
+    Only signals that have a handler in Python are held: the others end the process directly. Python delivers signals
+    to the main thread alone, so other threads hold nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,7 +1,7 @@
-"""A message as an older version of the product would have written it: without the fields that came later.
+"""Messages as an older version of the product wrote them: without the fields that came later.
 
-A trace holds the schemas of its own time. So a replay of an older trace can leave out what that time did not know, and
-compare the rest to the last byte.
+A trace holds the schemas of its own version. So a replay of an older trace leaves out later fields, and compares the
+rest to the last byte.
 """
 
 import json
@@ -18,7 +18,7 @@ class KnownFields:
         schema: The schema's text.
 
     Raises:
-        ValueError: If it is no JSON Schema.
+        ValueError: If the text is no JSON Schema.
     """
 
     def __init__(self, schema: bytes) -> None:
@@ -29,10 +29,10 @@ class KnownFields:
             raise ValueError("no JSON Schema") from error
 
     def of(self, message: Any) -> Any:
-        """Return a message, given as plain values, without the fields that the schema does not know.
+        """Return a message, given as plain values, without the fields that the schema does not name.
 
         Raises:
-            ValueError: If the schema is not one by which any message could have been written.
+            ValueError: If no message could have been written by the schema.
         """
         try:
             return self._known(message, self._root)
@@ -53,14 +53,14 @@ class KnownFields:
         return value
 
     def _of_object(self, value: dict[str, Any], schema: Schema) -> dict[str, Any]:
-        """Return a model's fields as far as they are known, or every entry of a table."""
+        """Return the known fields of a model, or every entry of a map."""
         properties, entries = schema.get("properties"), schema.get("additionalProperties")
         if properties is not None:
             return {key: self._known(item, properties[key]) for key, item in value.items() if key in properties}
         return {key: self._known(item, entries) for key, item in value.items()} if isinstance(entries, dict) else value
 
     def _branch(self, value: Any, schema: Schema) -> Schema:
-        """Return the part of a schema that describes this value: behind references, of alternatives the right one."""
+        """Return the part of a schema that describes this value: references followed, the alternative chosen."""
         if "$ref" in schema:
             return self._branch(value, self._definitions[schema["$ref"].rpartition("/")[2]])
         if "discriminator" in schema and isinstance(value, dict):

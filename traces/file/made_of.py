@@ -1,4 +1,4 @@
-"""What a run was made of: the files and the metadata in its trace, compared with what its start says of them."""
+"""The inputs of a run: the files and metadata in its trace, compared with the hashes in its start."""
 
 import hashlib
 import re
@@ -9,7 +9,7 @@ from skolem.traces.messages import RunStart
 
 SCENARIO: Final = "scenario.yaml"
 RULES: Final = "rules/"
-_FILE: Final = re.compile(r"(?!\.)[^/\\\x00-\x1f\x7f]{1,200}\.lp")  # the name of a rule file, in no folder
+_FILE: Final = re.compile(r"(?!\.)[^/\\\x00-\x1f\x7f]{1,200}\.lp")  # the name of a rule file, without folder
 
 
 def digest(content: bytes) -> str:
@@ -18,7 +18,7 @@ def digest(content: bytes) -> str:
 
 
 def disagreements(start: RunStart, attached: Mapping[str, str], run: Mapping[str, str]) -> Iterator[str]:
-    """Yield where a trace holds another scenario, other rules or other metadata than its run had.
+    """Yield every difference between the scenario, rules and metadata in a trace and those of its run.
 
     Args:
         start: The start of the run.

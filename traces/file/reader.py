@@ -1,4 +1,4 @@
-"""Read a trace with the memory of one chunk.
+"""Reading of a trace with one chunk in memory.
 
 Opening a trace compares both checksums of the container with the whole file, so that a file that opens can be read.
 """
@@ -41,11 +41,11 @@ class Recorded:
     """One message of a trace.
 
     Attributes:
-        topic: One of the topic table.
+        topic: One of `messages.topics`.
         tick: Simulated time, in ticks since the start.
         sequence: Position among the messages of its class group (decisions, truth, perf).
         data: The bytes as recorded.
-        path: The trace, for errors; None of a message that is in no file.
+        path: The trace, for errors; None for a message that is in no file.
     """
 
     topic: str
@@ -100,7 +100,7 @@ class Trace:
 
     @cached_property
     def schemas(self) -> dict[str, bytes]:
-        """The schema of each topic that could have messages: a trace of an older version has fewer, and older ones."""
+        """The schema of each topic that may have messages; a trace of an older version has fewer and older schemas."""
         channels, schemas = self._summary.channels.values(), self._summary.schemas
         return {channel.topic: schemas[channel.schema_id].data for channel in channels}
 
@@ -108,7 +108,7 @@ class Trace:
         """Yield the messages of `topics` (of all, if none is given) in file order.
 
         Raises:
-            TraceError: If a topic is unknown, or (reading all) a message is missing.
+            TraceError: If a topic is unknown, or if all topics are read and a message is missing.
         """
         count = dict.fromkeys(("decision", "truth", "perf"), 0)
         for channel, record in _indexed(self.path, self._summary, topics):
@@ -120,7 +120,7 @@ class Trace:
             yield recorded
 
     def last(self, topic: str) -> Recorded | None:
-        """Return the last message of a topic, found from the end of the file; None if there is none."""
+        """Return the last message of a topic, searched from the end of the file; None if there is none."""
         found = next(_indexed(self.path, self._summary, (topic,), backwards=True), None)
         return None if found is None else _recorded(self.path, *found)
 
@@ -151,10 +151,10 @@ class Trace:
 
 
 def opened(path: Path) -> IO[bytes]:
-    """Return the file, at its beginning, once it is known to begin as an MCAP file.
+    """Open a file that begins as an MCAP file, and return it at its beginning.
 
     Raises:
-        TraceError: If it cannot be read, or does not.
+        TraceError: If the file cannot be read, or does not begin as an MCAP file.
     """
     try:
         file = path.open("rb")
@@ -170,7 +170,7 @@ def opened(path: Path) -> IO[bytes]:
 
 @contextmanager
 def _readable(path: Path) -> Iterator[None]:
-    """Tell of bytes that are not as any trace is written, whose checksums somebody has made to fit."""
+    """Raise `TraceError` for damaged bytes even if somebody has made their checksums fit."""
     try:
         yield
     except DAMAGE as error:
@@ -193,7 +193,7 @@ def _summary_of(reader: McapReader) -> Summary:
 
 
 def _check_whole(path: Path, file: IO[bytes]) -> None:
-    """Compare both checksums of the container (data section, summary) with the file; leave it at its beginning."""
+    """Compare both checksums of the container (data section, summary) with the file, and rewind it."""
     size = file.seek(0, io.SEEK_END)
     tail = MAGIC_SIZE + FOOTER_SIZE
     file.seek(max(0, size - tail))
@@ -226,7 +226,7 @@ def _indexed(
 ) -> Iterator[tuple[Channel, McapMessage]]:
     """Yield the messages of `topics` (of all, if none is given) in file order, one chunk in memory at a time.
 
-    The container library's own iteration in file order takes every chunk into memory before the first message.
+    The container library's own iteration in file order loads every chunk before the first message.
     """
     wanted = {number for number, channel in summary.channels.items() if not topics or channel.topic in topics}
     with path.open("rb") as file:

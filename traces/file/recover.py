@@ -1,4 +1,4 @@
-"""Save what is whole of a trace that was cut off or damaged, as a trace that can be read like any other."""
+"""Recovery of a trace that was cut off or damaged: its whole messages become a readable trace."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -23,12 +23,12 @@ class Recovered:
     """What was saved of a trace.
 
     Attributes:
-        path: Where it lies now.
-        messages: How many messages were saved.
-        steps: Executed actions among them.
-        simulated_s: Simulated time of the last one, in seconds.
+        path: The new trace.
+        messages: Number of saved messages.
+        steps: Number of executed actions among them.
+        simulated_s: Simulated time of the last message, in seconds.
         ended: Whether the end of the run is among them.
-        lost: What could not be saved: place in the damaged file, and why.
+        lost: The lost parts: offset in the damaged file, and reason.
     """
 
     path: Path
@@ -40,14 +40,14 @@ class Recovered:
 
 
 def recover(bad: Path, good: Path) -> Recovered:
-    """Copy every whole message of `bad`, and schemas, channels, attachments and metadata, to `good` as they were.
+    """Copy every whole message of `bad`, with schemas, channels, attachments and metadata, unchanged to `good`.
 
-    A damaged record is left out and those after it are kept. Where its length cannot be believed, the next one is found
-    by the index at the end of the file; a file that was cut off has none, and is saved up to that place. The hash of
-    the content, if it is whole, is copied as it was too: by it `check` tells what is missing, and where.
+    A damaged record is left out and the records after it are kept. If its length cannot be trusted, the index at the
+    end of the file tells where the next record begins; a file that was cut off has no index, and is saved up to that
+    record. The content hash is copied unchanged if it is whole: by it `check` tells what is missing, and where.
 
     Raises:
-        InputError: If `good` cannot be written, or exists: what lies there may be worth more than what is saved.
+        InputError: If `good` cannot be written, or exists: the file there may be worth more than the recovered one.
         TraceError: If `bad` is no MCAP file, or no message in it is whole.
     """
     if good.resolve() == bad.resolve():
@@ -72,7 +72,7 @@ def recover(bad: Path, good: Path) -> Recovered:
 
 @dataclass(frozen=True, slots=True)
 class _Index:
-    """What the index at the end of a file says; empty if there is none, or it is damaged."""
+    """The index at the end of a file; empty if it is missing or damaged."""
 
     starts: tuple[int, ...] = ()
     schemas: tuple[Schema, ...] = ()
@@ -93,7 +93,7 @@ class _Index:
 
 
 def _whole(file: IO[bytes], starts: tuple[int, ...], lost: list[DamageError]) -> Iterator[Piece]:
-    """Yield the readable records of the data section; after a damaged one go on where the next is known to begin."""
+    """Yield the readable records of the data section; after a damaged one go on at the next known start."""
     byte: int | None = MAGIC_SIZE
     while byte is not None:
         try:
@@ -110,7 +110,7 @@ def _whole(file: IO[bytes], starts: tuple[int, ...], lost: list[DamageError]) ->
 
 
 def _behind(file: IO[bytes], byte: int) -> list[DamageError]:
-    """Return what stands behind the end of a trace whose data end at `byte`; a damaged index tells nothing."""
+    """Return the bytes after the end of a trace, whose data end at `byte`, as damage; none if the index is damaged."""
     end = byte
     try:
         for piece in pieces(file, byte):

@@ -1,6 +1,6 @@
-"""What holds a trace together as a file: the checksums of all of it, and the index at its end.
+"""The checksums of a whole trace, and the index at its end.
 
-Who reads a trace goes by the index. So it has to say what there is: no more, no less, and in its place.
+Readers of a trace rely on the index. So it has to list every record at its offset, no more and no less.
 """
 
 import zlib
@@ -26,17 +26,17 @@ from skolem.traces.file.reader import MAGIC
 
 @dataclass(slots=True)
 class _Listed:
-    """What a trace is made of, once as it is there and once as the index lists it."""
+    """The parts of a trace: once as they stand in the file, once as the index lists them."""
 
-    chunks: dict[int, frozenset[int]] = field(default_factory=dict)  # channels that have messages, by place
-    attachments: dict[int, str] = field(default_factory=dict)  # name, by place
+    chunks: dict[int, frozenset[int]] = field(default_factory=dict)  # channels that have messages, by offset
+    attachments: dict[int, str] = field(default_factory=dict)  # name, by offset
     metadata: dict[int, str] = field(default_factory=dict)
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
 
 
 class Seal:
-    """The checksums of the whole file, and the index at its end."""
+    """Checks the checksums of the whole file and the index at its end."""
 
     def __init__(self) -> None:
         """Begin with the first bytes of the file."""
@@ -79,7 +79,7 @@ class Seal:
         self._crc = zlib.crc32(piece.data, self._crc)
 
     def take_inner(self, byte: int, record: Schema | Channel | McapMessage) -> None:
-        """Take in a record of the chunk at a place."""
+        """Take in a record of the chunk at an offset."""
         listed = self._index if self._in_index else self._there
         match record:
             case Schema(id=number):
@@ -95,7 +95,7 @@ class Seal:
             "chunks": there.chunks == index.chunks,
             "attachments": there.attachments == index.attachments,
             "metadata": there.metadata == index.metadata,
-            "schemas": there.schemas.items() <= index.schemas.items(),  # those that no message uses stand here alone
+            "schemas": there.schemas.items() <= index.schemas.items(),  # the index alone lists those without messages
             "channels": there.channels.items() <= index.channels.items(),
         }
         for what, agree in listed.items():

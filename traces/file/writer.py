@@ -1,4 +1,4 @@
-"""Write a run as one MCAP file that is complete however the run ends.
+"""Writing of a run as one MCAP file, which is complete however the run ends.
 
 Two runs of one scenario and seed on one machine write the same bytes: log times come from the tick counter, ids from
 the topic table, and nothing in the file knows the time of day or the name of the machine.
@@ -20,21 +20,21 @@ from skolem.traces.file.codec import CONTENT, ContentHash, HashChain, counter_of
 from skolem.traces.file.interrupts import interrupts_held
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunEnd, RunStatus
 
-LIBRARY = "skolem-trace/1"  # the default names the version of the mcap package, and would change the bytes
+LIBRARY = "skolem-trace/1"  # mcap's default names its own version, so that an update would change the bytes
 CHUNK_BYTES = 64 * 1024
 
 
 class TraceWriter:
-    """A trace being written; used as a context manager.
+    """A trace that is being written; used as a context manager.
 
-    The file is called `NAME.partial` until it is complete. Leaving the block, also by an exception or Ctrl-C, adds
-    `/run/end` if it is missing and the hash of the content, closes the file and gives it its name. A killed process or
-    a full disk leaves the partial file: `skolem recover` saves of it everything up to the last closed step or full
-    chunk. One that is there is therefore never replaced: another run writes it, or its steps are worth saving.
+    The file is called `NAME.partial` until it is complete. The end of the block, also by an exception or Ctrl-C, adds
+    `/run/end` if it is missing and the content hash, closes the file and gives it its name. A killed process or a full
+    disk leaves the partial file: `skolem recover` saves everything up to its last closed step or full chunk. So an
+    existing partial file is never replaced: another run writes it, or its steps are worth saving.
 
     Attributes:
-        path: Where the trace will lie.
-        partial: Where it lies until it is complete.
+        path: Path of the complete trace.
+        partial: Path of the trace until it is complete.
         written: Whether the trace lies under its name.
     """
 
@@ -48,15 +48,15 @@ class TraceWriter:
         profile: bool = False,
         file: IO[bytes] | None = None,
     ) -> None:
-        """Take over what the trace begins with; nothing is written before the block is entered.
+        """Keep the beginning of the trace; nothing is written before the block is entered.
 
         Args:
-            path: Where the trace will lie; missing folders are made.
-            attachments: `scenario.yaml` and `rules/*.lp`, by name: what the run was made of.
+            path: Path of the complete trace; missing folders are made.
+            attachments: `scenario.yaml` and `rules/*.lp`, by name: the inputs of the run.
             run: Metadata of the run, such as its seed; the schema version is added.
             env: Metadata of the machine, as `skolem.traces.file.environment.environment` gives them.
             profile: Whether `/perf` is recorded. Wall times differ from run to run, so by default they are dropped.
-            file: The partial file, if somebody has begun it already.
+            file: The partial file, if the caller has begun it already.
         """
         self.path = path
         self.partial = partial_of(path)
@@ -73,11 +73,11 @@ class TraceWriter:
         self._ended = False
 
     def write(self, topic: str, message: Message | Protobuf, tick: int) -> None:
-        """Append one message at a simulated time; an interrupt in between waits until it is whole.
+        """Append one message at a simulated time; an interrupt waits until the message is whole.
 
         Raises:
             InternalError: If the topic or type is wrong, time runs backwards, or the run has ended already.
-            UnwrittenError: If the file takes no more; it is closed, and stays as far as it was written.
+            UnwrittenError: If the file cannot be written further; it is closed, and what was written stays.
         """
         if topic == "/perf" and not self._profile:
             return
@@ -91,17 +91,17 @@ class TraceWriter:
             self._append(topic, data, tick, counter)
 
     def candidate(self, probability: float, anchor: str | None) -> None:
-        """Remember the goal's present best candidate, for the end record of a run that is cut short."""
+        """Remember the goal's best candidate so far, for the end record of a run that is cut short."""
         self._candidate = (probability, anchor)
 
     def close_step(self, step: int, tick: int) -> str:
-        """Write the hash chain over the step's messages, put all so far on the disk, and return the chain."""
+        """Write the hash chain over the step's messages, write all messages to the disk, and return the chain."""
         self.write("/chain", Chain(step=step, chain=self._chain.close()), tick)
         return self._chain.link
 
     @property
     def content_hash(self) -> str:
-        """Hash of everything written so far but PERF; final once the block is left."""
+        """Hash of everything written so far but PERF; final after the block."""
         return self._hash.content
 
     @property
@@ -113,7 +113,7 @@ class TraceWriter:
         """Create the partial file; an interrupt before the block leaves none.
 
         Raises:
-            InputError: If the file cannot be created, has no room for its beginning, or is there already.
+            InputError: If the file cannot be created, has no room for its beginning, or exists already.
         """
         file = self._begun
         try:
@@ -133,7 +133,7 @@ class TraceWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        if self._file.closed:  # it could not be written
+        if self._file.closed:  # writing failed before
             return
         with interrupts_held(), self._file:
             if not self._ended:
@@ -143,7 +143,7 @@ class TraceWriter:
             self.written = True
 
     def _finish(self) -> None:
-        """Write the hash of the content and the index, and give the file its name."""
+        """Write the content hash and the index, and give the file its name."""
         self._mcap.flush()
         self._mcap.add_metadata(CONTENT, self._hash.metadata)
         self._mcap.finish()
@@ -153,11 +153,11 @@ class TraceWriter:
 
     @contextmanager
     def _on_disk(self) -> Iterator[None]:
-        """If the block cannot write, close the file as it is: all that is whole in it can be saved."""
+        """Close the file if the block cannot write: `recover` can save its whole messages."""
         try:
             yield
         except OSError as error:
-            with suppress(OSError):  # it tries again to write what it could not
+            with suppress(OSError):  # closing tries the failed write again
                 self._file.close()
             said = f"cannot be written to its end: {error.strerror or error}"
             remedy = f"`skolem recover {self.partial} -o FILE` saves what reached it"
@@ -192,7 +192,7 @@ class TraceWriter:
         self._ended |= topic == "/run/end"
 
     def _cut_short(self, error: BaseException | None) -> None:
-        """Write the end record of a run that did not write its own."""
+        """Write the end record of a run that has none."""
         status: RunStatus = "interrupted" if isinstance(error, KeyboardInterrupt) else "error"
         reason = "closed without an end record" if error is None else told(error)
         probability, anchor = self._candidate
@@ -207,15 +207,15 @@ class TraceWriter:
 
 
 def partial_of(path: Path) -> Path:
-    """Return what a trace is called until it is complete."""
+    """Return the path of a trace until it is complete."""
     return path.parent / f"{path.name}.partial"
 
 
 def begin(path: Path) -> IO[bytes]:
-    """Return the partial file of a trace, new and open.
+    """Create the partial file of a trace, and return it open.
 
     Raises:
-        InputError: If it cannot be created or get its name in the end, or is there already.
+        InputError: If the file cannot be created or renamed in the end, or exists already.
     """
     refuse_special(path)
     partial = partial_of(path)
@@ -231,21 +231,21 @@ def begin(path: Path) -> IO[bytes]:
 
 
 def refuse_special(path: Path) -> None:
-    """Refuse a place that only a file may get: what is renamed to a device, a pipe or a socket takes its place.
+    """Refuse the path of a device, a pipe or a socket: renaming the trace to it would replace it.
 
     Raises:
-        InputError: If something is there that is no file.
+        InputError: If the path exists and is no file.
     """
-    if os.path.isdir(path):  # of what cannot be looked at it says no, where pathlib raises
+    if os.path.isdir(path):  # False for a path without permission, where pathlib raises
         raise InputError([Fault(str(path), 0, 0, "is a folder; give the name of a file")])
     if os.path.exists(path) and not os.path.isfile(path):
         raise InputError([Fault(str(path), 0, 0, "is a device, a pipe or a socket; give the name of a file")])
 
 
 def discard(file: IO[bytes], path: Path) -> None:
-    """Remove the partial file of a trace that was not written, and close it."""
+    """Close and remove the partial file of a trace that was not written."""
     partial_of(path).unlink(missing_ok=True)
-    with suppress(OSError):  # what is still to be written may have no room
+    with suppress(OSError):  # the rest may have no room on the disk
         file.close()
 
 

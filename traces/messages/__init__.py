@@ -1,6 +1,6 @@
-"""Everything that crosses a border between folders: frozen models, a file for each subject.
+"""The messages between folders, as frozen models, with one file for each subject.
 
-Every folder imports these, and they import none. The topics of a trace stand in `topics`. May import: nothing.
+Every folder imports them, and they import none. The topics of a trace stand in `topics`. May import: nothing.
 """
 
 import lazy_loader

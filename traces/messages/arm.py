@@ -1,4 +1,4 @@
-"""The PR2's arms as numbers: the chain from the shoulder to the tool, and the pose in which things are carried.
+"""The PR2's arms as numbers: the chain from the shoulder to the tool, and the pose in which objects are carried.
 
 Link offsets are those of the published PR2 model: shoulder at (-0.05, +-0.188, 0.739675) above `base_link`, which is
 0.051 m above the floor; upper arm 0.4 m, forearm 0.321 m, tool frame 0.18 m beyond the wrist.
@@ -30,7 +30,7 @@ CARRY: Mapping[Hand, Joints7] = MappingProxyType(  # tool level at (0.45, -+0.50
 
 
 def shoulder(hand: Hand, torso: float) -> tuple[float, float, float]:
-    """Return where the axis of the shoulder's pan meets the chain, base frame, metres.
+    """Return the point where the axis of the shoulder's pan meets the chain, base frame, metres.
 
     Args:
         hand: Which arm; the right one mirrors the left.

@@ -1,4 +1,4 @@
-"""What every message is: a frozen model with one canonical text. The units, the scalars and the poses it is made of.
+"""The base of every message, a frozen model with one canonical text; its units, scalars and poses.
 
 Units are SI and radians. A pose `a_T_b` maps coordinates of frame b to frame a. `Pose2` is (x, y, theta); `Pose4` is
 (x, y, z, theta): an upright object on its stable face. The origin of an object is the centre of its base face.
@@ -42,12 +42,12 @@ class Message(BaseModel):
 
 
 def canonical(values: object) -> bytes:
-    """Return the one byte string for plain values."""
+    """Return the canonical bytes of plain values: sorted keys, no spaces, UTF-8."""
     return json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=False).encode()
 
 
 def all_required(schema: dict[str, Any]) -> None:
-    """Require every field in a model's JSON schema, and name no default: a recorded message has all of its fields."""
+    """Require every field in a model's JSON schema, without defaults: a recorded message has all of its fields."""
     for field in schema["properties"].values():
         field.pop("default", None)
     schema["required"] = list(schema["properties"])

@@ -1,4 +1,4 @@
-"""The belief as it is recorded at each step."""
+"""The belief, which is recorded at each step."""
 
 from typing import Literal
 

@@ -1,15 +1,15 @@
-"""Which of several names is the likeliest: one rule for whoever believes, simulates, prints or draws."""
+"""The likeliest of several names, by one rule for estimation, simulation and display."""
 
 from collections.abc import Mapping
 
 
 def likeliest(shares: Mapping[str, float]) -> str:
-    """Return the name with the highest share, of equal ones the first by alphabet.
+    """Return the name with the highest share; among equal ones the first in the alphabet.
 
     Args:
         shares: Probabilities or log-likelihoods, by name.
 
     Raises:
-        ValueError: If there are none.
+        ValueError: If `shares` is empty.
     """
     return max(sorted(shares), key=shares.__getitem__)

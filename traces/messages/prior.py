@@ -1,4 +1,4 @@
-"""Models of noise, and what the robot is told before it starts."""
+"""Models of noise, and the initial belief."""
 
 from pydantic import ConfigDict, Field
 

@@ -1,4 +1,4 @@
-"""Plans, decisions, and what the reasoner asked and remembers."""
+"""Plans, decisions, questions and memory of the reasoner."""
 
 from typing import Final, Literal
 
@@ -31,7 +31,7 @@ PlanCause = Literal[
     "done",
     "giveup",
 ]
-DROPPED: Final[tuple[PlanCause, ...]] = ("preimage_lost", "refused")  # causes for which plans are given up
+DROPPED: Final[tuple[PlanCause, ...]] = ("preimage_lost", "refused")  # causes that drop a plan
 
 
 class Plan(Message):

@@ -1,4 +1,4 @@
-"""What comes back from the robot: joints, camera and wrist."""
+"""The answers of the robot: joints, camera and wrist."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""What types and properties mean."""
+"""The meaning of types and properties."""
 
 from typing import Literal
 
