@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from benchmarks.problems import Problem, support
 from skolem.reasoner.plain import Normal, PlainBelief
-from skolem.reasoner.protocols import Activity
 from skolem.traces.messages import (
     Action,
+    Activity,
     Belief,
     Command,
     Hand,

@@ -6,13 +6,12 @@
 May import: nothing.
 """
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.traces.messages import Belief, Command, Hand, Meaning, MoveBase, Quantity
+from skolem.traces.messages import Activity, Belief, Command, Hand, Meaning, MoveBase, Quantity
 
 
 class Gaussian(Protocol):
@@ -113,33 +112,6 @@ class BeliefQueries(Protocol):
     def prob_favourable(self, anchor: str, meaning: Meaning, p: float) -> float:
         """P(one observation lifts the belief in the property to at least `p` | the object has the property)."""
         ...
-
-
-@dataclass(frozen=True, slots=True)
-class Activity:
-    """An activity of the robot at a base pose.
-
-    Attributes:
-        kind: "look", "look_region", "pick", "place" or "weigh".
-        anchor: The object of the activity; the region for look_region.
-        hand: The hand of a pick, place or weigh; None for a look.
-        support: The support of a place; None otherwise.
-        clear_of: An activity that the placed object must not stand in the way of; None if there is none.
-        elsewhere: Whether the activity was done from here in vain, so that other base poses are to be preferred.
-    """
-
-    kind: str
-    anchor: str
-    hand: Hand | None = None
-    support: str | None = None
-    clear_of: "Activity | None" = None
-    elsewhere: bool = False
-
-    def __str__(self) -> str:
-        """Return `pick(right, o2)` and the like."""
-        arguments = (self.hand, self.anchor, self.support, self.clear_of)
-        told = f"{self.kind}({', '.join(str(x) for x in arguments if x is not None)})"
-        return f"{told} from elsewhere" if self.elsewhere else told
 
 
 class Geometry(Protocol):

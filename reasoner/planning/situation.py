@@ -8,10 +8,10 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.patterns import mentions
-from skolem.reasoner.protocols import Activity, BeliefQueries, Geometry
+from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import HANDS, SENSING_HAND, Hand, Meaning, Quantity
+from skolem.traces.messages import HANDS, SENSING_HAND, Activity, Hand, Meaning, Quantity
 
 _ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
 QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")

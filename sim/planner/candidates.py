@@ -11,8 +11,7 @@ from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.standing import Standing
 from skolem.sim.robot import reach
 from skolem.sim.space import grasps
-from skolem.sim.space.activities import Activity
-from skolem.traces.messages import Hand, Pose2
+from skolem.traces.messages import Activity, Hand, Pose2
 from skolem.traces.messages.poses import compose2, flat
 
 Floats = NDArray[np.float64]

@@ -17,8 +17,7 @@ from skolem.sim.planner.candidates import Candidates
 from skolem.sim.planner.surveyor import Surveyor
 from skolem.sim.planner.trials import Trials, is_same
 from skolem.sim.planner.ways import Sweep, Way
-from skolem.sim.space.activities import Activity
-from skolem.traces.messages import Belief, Pose2
+from skolem.traces.messages import Activity, Belief, Pose2
 
 SIDES = 8  # of an object, from which ways to it are sought
 TRIED_PER_SIDE, TAKEN_PER_SIDE = 6, 2  # base poses that are looked at, and from which ways are taken

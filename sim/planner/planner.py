@@ -21,8 +21,8 @@ from skolem.sim.planner.surveyor import Surveyor
 from skolem.sim.planner.trials import Task, Trials
 from skolem.sim.planner.ways import Way
 from skolem.sim.robot.assets import robot_sha256
-from skolem.sim.space.activities import Activity, Picking, Question, key_of
-from skolem.traces.messages import HANDS, Belief, Command, Hand, MoveBase, ObjectType, Pose2
+from skolem.sim.space.activities import Question, key_of
+from skolem.traces.messages import HANDS, Activity, Belief, Command, Hand, MoveBase, ObjectType, Pose2
 from skolem.traces.messages.poses import compose2, compose4
 
 BASE_STREAM = 3
@@ -111,7 +111,7 @@ class PlanningWorld:
 
     def _is_grasped_in_doubt(self, anchor: str, hand: Hand) -> bool:
         """Return whether an object can be picked from here, and from nowhere with things as wide as their doubt."""
-        pick = Picking(anchor, hand)
+        pick = Activity("pick", anchor, hand)
         return self.ready(pick) is not None and self._kept("approach", pick, self._approach) is None
 
     def _kept(

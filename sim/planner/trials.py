@@ -15,8 +15,8 @@ from skolem.sim.planner.arm_motions import ArmPlanner, Spots
 from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.candidates import Candidates
 from skolem.sim.planner.stances import Stances
-from skolem.sim.space.activities import Activity, is_other_side
-from skolem.traces.messages import SENSING_HAND, Belief, Command, Hand, LookAt, Pick, Pose2, Weigh
+from skolem.sim.space.activities import is_other_side
+from skolem.traces.messages import SENSING_HAND, Activity, Belief, Command, Hand, LookAt, Pick, Pose2, Weigh
 
 Floats = NDArray[np.float64]
 

@@ -1,61 +1,13 @@
-"""Activities: the subject of the reasoner's questions to the geometry."""
+"""Keys of activities, and the other sides from which a target can be seen."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
 
-from skolem.traces.messages import Hand
+from skolem.traces.messages import Activity
 
 Question = tuple[str, ...]
 
 OTHER_SIDE_RAD = 0.5  # after a look in vain, the next look is from a direction that differs by so much
-
-
-class Activity(Protocol):
-    """An activity of the robot at a base pose: look, look_region, pick, place or weigh."""
-
-    @property
-    def kind(self) -> str:
-        """The kind of activity."""
-        ...
-
-    @property
-    def anchor(self) -> str:
-        """The object of the activity; the region for look_region."""
-        ...
-
-    @property
-    def hand(self) -> Hand | None:
-        """The hand of the activity."""
-        ...
-
-    @property
-    def support(self) -> str | None:
-        """The support of a place."""
-        ...
-
-    @property
-    def clear_of(self) -> "Activity | None":
-        """An activity that the placed object must not stand in the way of."""
-        ...
-
-    @property
-    def elsewhere(self) -> bool:
-        """Whether the activity was done from here in vain."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class Picking:
-    """The picking of an object with a hand."""
-
-    anchor: str
-    hand: Hand
-    kind: str = "pick"
-    support: str | None = None
-    clear_of: Activity | None = None
-    elsewhere: bool = False
 
 
 def key_of(activity: Activity) -> Question:

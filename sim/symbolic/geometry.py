@@ -9,13 +9,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from skolem.sim.space.activities import Activity
 from skolem.sim.space.grasps import RELEASE_M, spots, widest_half
 from skolem.sim.symbolic.belief import BODY_M, SymbolicBelief
 from skolem.sim.symbolic.hands import FAR_M, SymbolicHands
 from skolem.sim.symbolic.view import head_towards
 from skolem.sim.symbolic.ways import LOOK_M, IsClear, Way, Ways
 from skolem.traces.messages import (
+    Activity,
     Belief,
     Command,
     Hand,

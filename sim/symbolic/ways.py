@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.sim.space import surveys
-from skolem.sim.space.activities import Activity, is_other_side
+from skolem.sim.space.activities import is_other_side
 from skolem.sim.space.grasps import widest_half
 from skolem.sim.space.surveys import Survey
 from skolem.sim.symbolic.belief import SymbolicBelief
 from skolem.sim.symbolic.corridors import CORRIDOR_M, pillar, standing_in
 from skolem.sim.symbolic.hands import FAR_M, SymbolicHands
 from skolem.sim.symbolic.sight import BelievedSight
-from skolem.traces.messages import ObjectType, Pose2, Pose4
+from skolem.traces.messages import Activity, ObjectType, Pose2, Pose4
 from skolem.traces.messages.poses import Vector3, flat
 
 LOOK_M = 1.6  # from the base: what is nearer can be looked at

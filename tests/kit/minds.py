@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.reasoner.plain import Normal, PlainBelief
-from skolem.reasoner.protocols import Activity
 from skolem.traces.messages import (
+    Activity,
     Belief,
     Command,
     Hand,

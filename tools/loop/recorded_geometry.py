@@ -4,10 +4,9 @@ from collections.abc import Callable
 from typing import Literal
 
 from skolem.reasoner import Geometry
-from skolem.reasoner.protocols import Activity
 from skolem.tools.loop.stopwatch import MOTION_PLANNING, Stopwatch
 from skolem.traces import messages
-from skolem.traces.messages import Command
+from skolem.traces.messages import Activity, Command
 
 Asked = Literal["ready", "approach", "blockers"]
 

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Iterable
 
-from skolem.reasoner.protocols import Activity
 from skolem.tools.loop.recorded_geometry import Asked, question
 from skolem.tools.loop.worlds import Planner
 from skolem.traces.errors import SkolemError
-from skolem.traces.messages import Belief, Command, Geometry, MoveBase
+from skolem.traces.messages import Activity, Belief, Command, Geometry, MoveBase
 
 
 class NotRecordedError(SkolemError):

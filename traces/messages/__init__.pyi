@@ -7,6 +7,7 @@ from .actions import (
     Place as Place,
     Weigh as Weigh,
 )
+from .activities import Activity as Activity
 from .base import (
     GRAVITY as GRAVITY,
     HANDS as HANDS,

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 import pytest
 from kit import believed_scenes as scenes
 
-from skolem.reasoner.protocols import Activity
 from skolem.sim.planner.planner import PlanningWorld
-from skolem.traces.messages import Hand, MoveBase, ObjectBelief, Pick, Place, Pose2
+from skolem.traces.messages import Activity, Hand, MoveBase, ObjectBelief, Pick, Place, Pose2
 from skolem.traces.messages.poses import compose2, compose4, raised
 
 pytestmark = pytest.mark.physics

@@ -1,6 +1,5 @@
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +11,7 @@ from skolem.sim.planner.planner import PlanningWorld
 from skolem.sim.space import grasps
 from skolem.sim.space.activities import is_other_side
 from skolem.traces.messages import (
+    Activity,
     Belief,
     Command,
     Hand,
@@ -30,16 +30,6 @@ from skolem.traces.messages.poses import compose2, compose4, flat, inverse2, inv
 pytestmark = pytest.mark.physics
 
 FINE_STEP = 0.02  # rad or m: paths were checked at 0.05
-
-
-@dataclass(frozen=True)
-class Doing:
-    kind: str
-    anchor: str
-    hand: Hand | None = None
-    support: str | None = None
-    clear_of: "Doing | None" = None
-    elsewhere: bool = False
 
 
 @pytest.fixture(scope="module")
@@ -76,9 +66,9 @@ def assert_free(checker: BelievedWorld, hand: Hand, path: tuple[Joints7, ...], t
 def picked(planner: PlanningWorld, objects: dict[str, ObjectBelief], anchor: str, hand: Hand) -> tuple[Pick, Pose2]:
     """Drive to an object if need be and return the pick and the base pose it is from."""
     planner.sync(scenes.belief(objects))
-    base = driven((0.0, 0.0, 0.0), planner.approach(Doing("pick", anchor, hand)))
+    base = driven((0.0, 0.0, 0.0), planner.approach(Activity("pick", anchor, hand)))
     planner.sync(scenes.belief(objects, base, version=2))
-    pick = planner.ready(Doing("pick", anchor, hand))
+    pick = planner.ready(Activity("pick", anchor, hand))
     assert isinstance(pick, Pick)
     return pick, base
 
@@ -92,12 +82,12 @@ def test_a_soda_from_any_table_is_picked_and_put_on_the_first(
 ) -> None:
     objects = scenes.sodas()
     pick, base = picked(planner, objects, anchor, "right")
-    assert isinstance(planner.ready(Doing("look", anchor)), LookAt)
+    assert isinstance(planner.ready(Activity("look", anchor)), LookAt)
     check_pick(checker, scenes.belief(objects, base, version=2), pick, anchor)
     objects |= {anchor: scenes.in_hand(objects[anchor], "right", pick.tool_T_object)}
     planner.sync(scenes.belief(objects, base, version=3))
-    assert isinstance(planner.ready(Doing("weigh", anchor, "right")), Weigh)
-    doing = Doing("place", anchor, "right", "table1")
+    assert isinstance(planner.ready(Activity("weigh", anchor, "right")), Weigh)
+    doing = Activity("place", anchor, "right", "table1")
     base = driven(base, planner.approach(doing))
     belief = scenes.belief(objects, base, version=4)
     planner.sync(belief)
@@ -153,7 +143,7 @@ def test_bottles_and_cartons_are_picked_with_either_hand(planner: PlanningWorld,
     pick, base = picked(planner, objects, "it", hand)
     belief = scenes.belief(objects | {"it": scenes.in_hand(objects["it"], hand, pick.tool_T_object)}, base, version=3)
     planner.sync(belief)
-    assert planner.approach(Doing("place", "it", hand, "table3")) is not None
+    assert planner.approach(Activity("place", "it", hand, "table3")) is not None
 
 
 def test_a_base_that_stops_a_little_beside_the_plan_can_still_do_it(planner: PlanningWorld) -> None:
@@ -161,12 +151,12 @@ def test_a_base_that_stops_a_little_beside_the_plan_can_still_do_it(planner: Pla
     for anchor in ("soda1", "soda2", "soda3"):
         objects = scenes.sodas()
         planner.sync(scenes.belief(objects))
-        stance = driven((0.0, 0.0, 0.0), planner.approach(Doing("pick", anchor, "right")))
+        stance = driven((0.0, 0.0, 0.0), planner.approach(Activity("pick", anchor, "right")))
         for _ in range(8):
             dx, dy, turn = rng.normal(0.0, (0.03, 0.03, 0.03))
             planner.sync(scenes.belief(objects, compose2(stance, (dx, dy, turn)), version=2))
             tried += 1
-            done += planner.ready(Doing("pick", anchor, "right")) is not None
+            done += planner.ready(Activity("pick", anchor, "right")) is not None
     assert done >= tried - 1
 
 
@@ -185,8 +175,8 @@ def test_doubt_about_a_neighbour_s_place_does_not_forbid_what_its_size_allows(pl
 
 def test_a_soda_beyond_the_arm_is_looked_at_but_not_picked(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(scenes.sodas()))
-    assert planner.ready(Doing("pick", "soda1", "right")) is None
-    look = planner.ready(Doing("look", "soda1"))
+    assert planner.ready(Activity("pick", "soda1", "right")) is None
+    look = planner.ready(Activity("look", "soda1"))
     assert isinstance(look, LookAt)
     assert look.tilt > 0.3
 
@@ -195,11 +185,11 @@ def test_a_full_hand_picks_nothing_and_an_empty_one_places_nothing(planner: Plan
     objects = scenes.sodas()
     objects["soda2"] = scenes.in_hand(objects["soda2"])
     planner.sync(scenes.belief(objects, (0.35, 0.0, 0.0)))
-    assert planner.ready(Doing("pick", "soda1", "right")) is None
-    assert planner.approach(Doing("pick", "soda1", "right")) is None
-    assert planner.ready(Doing("place", "soda1", "right", "table1")) is None
-    assert planner.ready(Doing("place", "soda2", "left", "table1")) is None
-    assert planner.ready(Doing("pick", "soda2", "left")) is None
+    assert planner.ready(Activity("pick", "soda1", "right")) is None
+    assert planner.approach(Activity("pick", "soda1", "right")) is None
+    assert planner.ready(Activity("place", "soda1", "right", "table1")) is None
+    assert planner.ready(Activity("place", "soda2", "left", "table1")) is None
+    assert planner.ready(Activity("pick", "soda2", "left")) is None
 
 
 def test_only_the_right_hand_weighs_and_only_what_it_holds(planner: PlanningWorld) -> None:
@@ -207,17 +197,17 @@ def test_only_the_right_hand_weighs_and_only_what_it_holds(planner: PlanningWorl
     objects["soda1"] = scenes.in_hand(objects["soda1"], "left")
     objects["soda2"] = scenes.in_hand(objects["soda2"], "right")
     planner.sync(scenes.belief(objects))
-    assert planner.ready(Doing("weigh", "soda2", "right")) == Weigh(hand="right")
-    assert planner.ready(Doing("weigh", "soda1", "left")) is None
-    assert planner.ready(Doing("weigh", "soda1", "right")) is None
+    assert planner.ready(Activity("weigh", "soda2", "right")) == Weigh(hand="right")
+    assert planner.ready(Activity("weigh", "soda1", "left")) is None
+    assert planner.ready(Activity("weigh", "soda1", "right")) is None
 
 
 def test_tables_and_unknown_things_are_not_picked(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(scenes.sodas()))
     for anchor in ("table1", "_o99_"):
-        assert planner.ready(Doing("pick", anchor, "right")) is None
-        assert planner.approach(Doing("pick", anchor, "right")) is None
-    assert planner.ready(Doing("look", "_o99_")) is None
+        assert planner.ready(Activity("pick", anchor, "right")) is None
+        assert planner.approach(Activity("pick", anchor, "right")) is None
+    assert planner.ready(Activity("look", "_o99_")) is None
 
 
 def test_a_table_without_room_takes_nothing(planner: PlanningWorld) -> None:
@@ -225,8 +215,8 @@ def test_a_table_without_room_takes_nothing(planner: PlanningWorld) -> None:
     full = {f"s{i}": scenes.believed("soda", scenes.on("table1", x, y), 0.0) for i, (x, y) in enumerate(grid)}
     objects = {"table1": scenes.tables()["table1"], **full, "it": scenes.in_hand(scenes.sodas()["soda1"])}
     planner.sync(scenes.belief(objects))
-    assert planner.ready(Doing("place", "it", "right", "table1")) is None
-    assert planner.approach(Doing("place", "it", "right", "table1")) is None
+    assert planner.ready(Activity("place", "it", "right", "table1")) is None
+    assert planner.approach(Activity("place", "it", "right", "table1")) is None
 
 
 # ---------------------------------------------------------------- driving
@@ -238,8 +228,8 @@ def test_a_drive_leads_around_the_table_to_a_soda_at_its_far_edge(
     objects = scenes.tables() | {"soda1": scenes.believed("soda", scenes.on("table1", 0.25, 0.0))}
     belief = scenes.belief(objects)
     planner.sync(belief)
-    assert planner.ready(Doing("look", "soda1")) is not None
-    move = planner.approach(Doing("pick", "soda1", "right"))
+    assert planner.ready(Activity("look", "soda1")) is not None
+    move = planner.approach(Activity("pick", "soda1", "right"))
     goal = driven((0.0, 0.0, 0.0), move)
     assert isinstance(move, MoveBase)
     assert move.start_T_waypoint[0] == pytest.approx((0.0, 0.0, 0.0))
@@ -259,7 +249,7 @@ def test_a_drive_leads_around_the_table_to_a_soda_at_its_far_edge(
 def test_the_drive_is_told_in_the_frame_of_its_start(planner: PlanningWorld) -> None:
     start: Pose2 = (0.2, 0.3, 2.5)
     planner.sync(scenes.belief(scenes.sodas(), start))
-    move = planner.approach(Doing("pick", "soda1", "right"))
+    move = planner.approach(Activity("pick", "soda1", "right"))
     assert isinstance(move, MoveBase)
     assert move.start_T_waypoint[0] == pytest.approx((0.0, 0.0, 0.0))
     base_T_soda = compose2(inverse2(driven(start, move)), flat(scenes.sodas()["soda1"].world_T_object))
@@ -269,22 +259,22 @@ def test_the_drive_is_told_in_the_frame_of_its_start(planner: PlanningWorld) -> 
 def test_a_drive_to_look_ends_where_the_look_is_ready(planner: PlanningWorld) -> None:
     start: Pose2 = (-1.5, 0.0, math.pi)
     planner.sync(scenes.belief(scenes.sodas(), start))
-    assert planner.ready(Doing("look", "soda1")) is None
-    goal = driven(start, planner.approach(Doing("look", "soda1")))
+    assert planner.ready(Activity("look", "soda1")) is None
+    goal = driven(start, planner.approach(Activity("look", "soda1")))
     planner.sync(scenes.belief(scenes.sodas(), goal, version=2))
-    assert planner.ready(Doing("look", "soda1")) is not None
+    assert planner.ready(Activity("look", "soda1")) is not None
 
 
 def test_what_was_looked_at_from_here_in_vain_is_looked_at_from_another_side(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(scenes.sodas(), (-1.5, 0.0, math.pi)))
-    here = driven((-1.5, 0.0, math.pi), planner.approach(Doing("look", "soda1")))
+    here = driven((-1.5, 0.0, math.pi), planner.approach(Activity("look", "soda1")))
     planner.sync(scenes.belief(scenes.sodas(), here, version=2))
-    assert planner.ready(Doing("look", "soda1")) is not None
-    assert planner.ready(Doing("look", "soda1", elsewhere=True)) is None
-    there = driven(here, planner.approach(Doing("look", "soda1", elsewhere=True)))
+    assert planner.ready(Activity("look", "soda1")) is not None
+    assert planner.ready(Activity("look", "soda1", elsewhere=True)) is None
+    there = driven(here, planner.approach(Activity("look", "soda1", elsewhere=True)))
     assert is_other_side(there, here, scenes.sodas()["soda1"].world_T_object)
     planner.sync(scenes.belief(scenes.sodas(), there, version=3))
-    assert planner.ready(Doing("look", "soda1")) is not None
+    assert planner.ready(Activity("look", "soda1")) is not None
 
 
 def test_a_thing_that_can_only_be_picked_where_it_is_on_average_is_looked_at_from_there(planner: PlanningWorld) -> None:
@@ -293,23 +283,23 @@ def test_a_thing_that_can_only_be_picked_where_it_is_on_average_is_looked_at_fro
         "beside": scenes.believed("carton", (-0.02, 1.25, 0.68, 1.51), 0.03, "table3"),
     }
     planner.sync(scenes.belief(objects))
-    goal = driven((0.0, 0.0, 0.0), planner.approach(Doing("pick", "it", "left")))
+    goal = driven((0.0, 0.0, 0.0), planner.approach(Activity("pick", "it", "left")))
     planner.sync(scenes.belief(objects, goal, version=2))
-    assert planner.ready(Doing("pick", "it", "left")) is not None
-    assert planner.ready(Doing("look", "it")) is not None
+    assert planner.ready(Activity("pick", "it", "left")) is not None
+    assert planner.ready(Activity("look", "it")) is not None
 
 
 # ---------------------------------------------------------------- the same answer every time
 
 
-def questions() -> list[tuple[str, Doing]]:
-    doings = [Doing("look", "soda1"), Doing("pick", "soda2", "left"), Doing("pick", "soda3", "right")]
+def questions() -> list[tuple[str, Activity]]:
+    doings = [Activity("look", "soda1"), Activity("pick", "soda2", "left"), Activity("pick", "soda3", "right")]
     return [(ask, doing) for ask in ("ready", "approach") for doing in doings]
 
 
-def answers(planner: PlanningWorld, belief: Belief, order: list[tuple[str, Doing]]) -> list[Command | None]:
+def answers(planner: PlanningWorld, belief: Belief, order: list[tuple[str, Activity]]) -> list[Command | None]:
     planner.sync(belief)
-    found: dict[tuple[str, Doing], Command | None] = {
+    found: dict[tuple[str, Activity], Command | None] = {
         (ask, doing): getattr(planner, ask)(doing) for ask, doing in order
     }
     return [found[question] for question in questions()]
@@ -319,7 +309,7 @@ def test_answers_do_not_depend_on_the_order_of_questions_or_on_the_past(planner:
     belief = scenes.belief(scenes.sodas(), version=7)
     before = answers(planner, belief, questions())
     planner.sync(scenes.belief(scenes.sodas(sd_m=0.001), (0.1, 0.1, 0.1), version=8))
-    planner.approach(Doing("pick", "soda1", "right"))
+    planner.approach(Activity("pick", "soda1", "right"))
     assert answers(planner, belief, questions()[::-1]) == before
     fresh = PlanningWorld(scenes.TYPES, seed=0)
     assert answers(fresh, belief, questions()[::-1]) == before
@@ -329,11 +319,11 @@ def test_answers_do_not_depend_on_the_order_of_questions_or_on_the_past(planner:
 
 def test_an_answer_is_kept_until_the_belief_changes(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(scenes.sodas()))
-    first = planner.approach(Doing("pick", "soda1", "right"))
+    first = planner.approach(Activity("pick", "soda1", "right"))
     planner.sync(scenes.belief(scenes.sodas()))
-    assert planner.approach(Doing("pick", "soda1", "right")) is first
+    assert planner.approach(Activity("pick", "soda1", "right")) is first
     planner.sync(scenes.belief(scenes.tables(), version=2))
-    assert planner.approach(Doing("pick", "soda1", "right")) is None
+    assert planner.approach(Activity("pick", "soda1", "right")) is None
 
 
 def test_the_identity_of_the_robot_is_told(planner: PlanningWorld) -> None:

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from kit import believed_scenes as scenes
 
-from skolem.reasoner.protocols import Activity, Geometry
+from skolem.reasoner.protocols import Geometry
 from skolem.sim.planner.planner import PlanningWorld
 from skolem.sim.space.surveys import survey, unseen_points
 from skolem.sim.symbolic.geometry import SymbolicGeometry
 from skolem.sim.symbolic.sight import BelievedSight
-from skolem.traces.messages import Belief, LookAt, ObjectBelief, Pose2, RegionBelief, RobotState
+from skolem.traces.messages import Activity, Belief, LookAt, ObjectBelief, Pose2, RegionBelief, RobotState
 from skolem.traces.messages.poses import compose2, compose4
 
 LOOK = Activity("look_region", "_reg1_")

@@ -5,9 +5,8 @@ import math
 import pytest
 from kit.symbolic_worlds import BODIES, DRIVE, do, geometry, picking, thing, world
 
-from skolem.reasoner.protocols import Activity
 from skolem.sim.truth.bodies import TrueBody
-from skolem.traces.messages import Pick, Weigh
+from skolem.traces.messages import Activity, Pick, Weigh
 
 
 @pytest.mark.parametrize("name", ["green", "red"])

@@ -6,13 +6,12 @@ import math
 import pytest
 from kit.symbolic_worlds import BODIES, DRIVE, TYPES, belief_of, do, geometry, picking, thing, world
 
-from skolem.reasoner.protocols import Activity
 from skolem.sim.space.activities import is_other_side
 from skolem.sim.symbolic.corridors import CORRIDOR_M, HAND_M, Pillar, standing_in
 from skolem.sim.symbolic.geometry import SymbolicGeometry
 from skolem.sim.symbolic.world import SymbolicWorld
 from skolem.sim.truth.bodies import TrueBody
-from skolem.traces.messages import LookAt, Pick, Place
+from skolem.traces.messages import Activity, LookAt, Pick, Place
 
 PICK, LOOK = Activity("pick", "it", "right"), Activity("look", "it")
 TARGET = TrueBody("it", "soda", (1.12, 0.0, 0.68, 0.0), (0.33, 0.9, 0.8), 0.35)
