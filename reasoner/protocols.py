@@ -33,8 +33,8 @@ class Gaussian(Protocol):
         ...
 
 
-class BeliefQueries(Protocol):
-    """Pure questions about the belief; equal `version` means equal answers."""
+class GroundBeliefs(Protocol):
+    """The questions about known objects; denotation needs no others."""
 
     @property
     def version(self) -> int:
@@ -57,24 +57,32 @@ class BeliefQueries(Protocol):
         """P(the object rests wholly on the top of `support`), given that both exist; 0 while a hand holds it."""
         ...
 
-    def support(self, anchor: str) -> str | None:
-        """The most likely support of the object; None for the floor, for a hand, and if nothing is known."""
-        ...
-
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
         """P(the middles of two objects are at most `distance_m` apart in the plane), given that both exist."""
         ...
+
+
+class OpenBeliefs(GroundBeliefs, Protocol):
+    """Beliefs about known objects and about objects that are not met yet."""
 
     def prob_property_of_new(self, meaning: Meaning) -> float:
         """P(an arbitrary object that is not met yet has the property)."""
         ...
 
-    def regions(self) -> tuple[str, ...]:
-        """Every region of space that can be searched, in order of introduction."""
-        ...
-
     def region_support(self, region: str) -> str:
         """The anchor on whose top the region lies."""
+        ...
+
+
+class BeliefQueries(OpenBeliefs, Protocol):
+    """Pure questions about the belief; equal `version` means equal answers."""
+
+    def support(self, anchor: str) -> str | None:
+        """The most likely support of the object; None for the floor, for a hand, and if nothing is known."""
+        ...
+
+    def regions(self) -> tuple[str, ...]:
+        """Every region of space that can be searched, in order of introduction."""
         ...
 
     def prob_contents(self, region: str) -> float:

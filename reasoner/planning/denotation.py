@@ -11,12 +11,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from itertools import product
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Lambda, Or, argument_term, constant_of
+from skolem.reasoner.protocols import GroundBeliefs, OpenBeliefs
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.rulebook.vocabulary import Vocabulary, comparison
 from skolem.reasoner.terms import Compound, Term, compound
@@ -25,47 +26,6 @@ from skolem.traces.messages import Meaning
 
 STRANGER: Final = "_new_"  # an object that is not met yet
 _NOTHING: Final = Compound("", ())
-
-
-class GroundBeliefs(Protocol):
-    """The part of `protocols.BeliefQueries` that denotation needs."""
-
-    @property
-    def version(self) -> int:
-        """Equal versions mean equal answers."""
-        ...
-
-    def anchors(self) -> tuple[str, ...]:
-        """Every anchor believed to exist."""
-        ...
-
-    def prob_exists(self, anchor: str) -> float:
-        """P(the object exists)."""
-        ...
-
-    def prob_property(self, anchor: str, meaning: Meaning) -> float:
-        """P(the object has the property), given that it exists."""
-        ...
-
-    def prob_on(self, anchor: str, support: str) -> float:
-        """P(the object rests on the top of `support`), given that both exist."""
-        ...
-
-    def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """P(the objects are at most `distance_m` apart), given that both exist."""
-        ...
-
-
-class OpenBeliefs(GroundBeliefs, Protocol):
-    """Beliefs about known objects and about objects that are not met yet."""
-
-    def prob_property_of_new(self, meaning: Meaning) -> float:
-        """P(an arbitrary new object has the property)."""
-        ...
-
-    def region_support(self, region: str) -> str:
-        """The anchor on whose top the region lies."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

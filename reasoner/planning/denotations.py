@@ -10,10 +10,8 @@ from skolem.reasoner.planning.denotation import (
     Circuit,
     Either,
     EitherOver,
-    GroundBeliefs,
     Leaf,
     Node,
-    OpenBeliefs,
     Product,
     WithStranger,
     compared_in,
@@ -21,6 +19,7 @@ from skolem.reasoner.planning.denotation import (
     evaluate,
     evaluate_at,
 )
+from skolem.reasoner.protocols import GroundBeliefs, OpenBeliefs
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.rulebook.vocabulary import comparison
 from skolem.traces.messages import Meaning
