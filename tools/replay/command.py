@@ -55,9 +55,10 @@ def replay(
     Exit status: 0 identical, or no decision changes; 1 a run diverges, or a decision changes; 2 bad input; 3 a trace
     cannot be read; 4 internal error.
     """
-    from skolem.tools.replay import reports as replay_reports
+    from skolem.tools.replay.replays import execute
+    from skolem.tools.replay.reports import Wanted
 
-    wanted = replay_reports.Wanted(
+    wanted = Wanted(
         from_step=from_step,
         re_anchor=re_anchor,
         plan_motions=plan_motions,
@@ -67,4 +68,4 @@ def replay(
         rules=rules,
         overrides=tuple(set_ or ()),
     )
-    raise typer.Exit(replay_reports.execute(traces, wanted, workers, json))
+    raise typer.Exit(execute(traces, wanted, workers, json))

@@ -1,18 +1,11 @@
-"""Replays from the command line: reported in the order of the traces, and the exit status of them all."""
+"""What is asked of a replay, what comes of one trace, and the exit status that stands for it."""
 
-import json as json_format
-import os
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from skolem.tools.words.printable import printable
-from skolem.traces.errors import Fault, InputError
-
 BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
-PAYS = 8  # traces a process: it takes as long to start as a few replays
 Status = Literal["identical", "diverged", "same", "changed", "bad_input", "unsound", "internal"]
 EXIT: dict[Status, int] = {
     "identical": 0,
@@ -57,64 +50,3 @@ class Report:
     status: Status
     lines: list[str]
     fields: Mapping[str, object]
-
-
-def execute(traces: Sequence[Path], wanted: Wanted, workers: int | None, json: bool) -> int:
-    """Replay each trace, print what came of it, and return the exit status: that of the worst.
-
-    Args:
-        traces: Of runs.
-        wanted: The options.
-        workers: Processes that share them; None: as many as pay.
-        json: Print one JSON object a trace instead of lines for people.
-
-    Raises:
-        InputError: If the options contradict one another, or what they name is wrong.
-        TraceError: If the only trace cannot be read.
-    """
-    _check(wanted)
-    found: Counter[Status] = Counter()
-    for path, report in zip(traces, _reports(traces, wanted, workers), strict=True):
-        found[report.status] += 1
-        if json:
-            print(json_format.dumps({"trace": str(path), "status": report.status, **report.fields}), flush=True)
-        else:
-            first, *others = map(printable, report.lines)
-            print("\n".join([f"{path}: {first}", *(f"  {line}" for line in others)]), flush=True)
-    if len(traces) > 1 and not json:
-        counts = ", ".join(f"{count} {status.replace('_', ' ')}" for status, count in sorted(found.items()))
-        print(f"{len(traces)} traces: {counts}")
-    return max(EXIT[status] for status in found)
-
-
-def _reports(traces: Sequence[Path], wanted: Wanted, workers: int | None) -> Iterator[Report]:
-    """Yield what came of each trace, of many even if something is wrong with it."""
-    from skolem.tools.replay.replayer import Replayer
-
-    replayer = Replayer(wanted)
-    count = workers or min(len(os.sched_getaffinity(0)), len(traces) // PAYS)
-    if len(traces) == 1:
-        yield replayer.report(traces[0])
-    elif count <= 1:
-        yield from map(replayer.told, traces)
-    else:
-        from skolem.tools.replay import pool as replay_pool
-
-        yield from replay_pool.reports(traces, wanted, count)
-
-
-def _check(wanted: Wanted) -> None:
-    """Refuse options that contradict one another."""
-    faults = []
-    if wanted.is_what_if:
-        given = {
-            "--from-step": wanted.from_step,
-            "--re-anchor": wanted.re_anchor,
-            "--plan-motions": wanted.plan_motions,
-            "--atol": wanted.atol is not None,
-            "--rtol": wanted.rtol is not None,
-        }
-        message = "does not go with --rules or --set, which ask what would be, not whether all is as it was"
-        faults = [Fault(name, 0, 0, message) for name, there in given.items() if there]
-    if faults:
-        raise InputError(faults)
