@@ -4,6 +4,8 @@ import re
 from dataclasses import dataclass
 from typing import Final, NoReturn
 
+from skolem.traces.errors import Fault
+
 MAX_CHARACTERS: Final = 10_000
 MAX_PARTS: Final = 100  # atoms, operators and parentheses; keeps recursion shallow
 REFUSED: Final = {
@@ -35,6 +37,13 @@ class Token:
 
     def __str__(self) -> str:
         return "the end" if self.kind == "end" else repr(self.text)
+
+
+def fault_at(text: str, offset: int, message: str) -> Fault:
+    """Return a fault of a goal with its line and column in the text."""
+    start = text.rfind("\n", 0, offset) + 1
+    line = text[start:].split("\n", 1)[0]
+    return Fault("goal", text.count("\n", 0, offset) + 1, offset - start + 1, message, excerpt=line)
 
 
 def tokens_of(text: str) -> list[Token]:

@@ -17,7 +17,7 @@ from collections.abc import Callable, Collection, Mapping
 from difflib import get_close_matches
 from typing import Final, TypeVar
 
-from skolem.reasoner.language.cursor import REFUSED, Cursor, ParseFault, Token
+from skolem.reasoner.language.cursor import REFUSED, Cursor, ParseFault, Token, fault_at
 from skolem.reasoner.language.expressions import (
     DIMENSIONS,
     QUANTITIES,
@@ -44,7 +44,7 @@ from skolem.reasoner.language.expressions import (
     arguments_of,
 )
 from skolem.reasoner.terms import ANY
-from skolem.traces.errors import Fault, InputError
+from skolem.traces.errors import InputError
 
 MAX_NUMBER: Final = 1_000_000  # thousandths of it fit clingo's integers
 KEYWORDS: Final = frozenset({"exists", "lambda", ANY, *REFUSED})
@@ -72,15 +72,20 @@ def parse_lambda(text: str, words: Mapping[str, int], names: Collection[str] | N
     return _read(text, words, names, _Parser.description)
 
 
-def goal_faults(text: str, words: Mapping[str, int], names: Collection[str] | None = None) -> list[tuple[int, str]]:
-    """Return every fault of a goal as (offset, message), in order; empty if the goal can be parsed."""
-    return _attempt(text, words, names, _Parser.goal)[1]
+def read_goal(
+    text: str, words: Mapping[str, int], names: Collection[str] | None = None
+) -> tuple[Goal | None, list[tuple[int, str]]]:
+    """Return the goal that `text` states and every fault of it as (offset, message), in order.
+
+    The goal is None if its structure is wrong; with faults it is of no use. Arguments as in `parse_goal`.
+    """
+    return _attempt(text, words, names, _Parser.goal)
 
 
 def _read(text: str, words: Mapping[str, int], names: Collection[str] | None, rule: Callable[["_Parser"], _T]) -> _T:
     value, faults = _attempt(text, words, names, rule)
     if value is None or faults:
-        raise InputError(_fault(text, offset, message) for offset, message in faults)
+        raise InputError(fault_at(text, offset, message) for offset, message in faults)
     return value
 
 
@@ -96,12 +101,6 @@ def _attempt(
     except ParseFault as fault:
         faults = [*(parser.faults if parser else []), (fault.offset, fault.message)]
     return value, sorted(set(faults))
-
-
-def _fault(text: str, offset: int, message: str) -> Fault:
-    start = text.rfind("\n", 0, offset) + 1
-    line = text[start:].split("\n", 1)[0]
-    return Fault("goal", text.count("\n", 0, offset) + 1, offset - start + 1, message, excerpt=line)
 
 
 class _Parser(Cursor):

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skolem.estimation import EstimatorConfig
-from skolem.reasoner import Goal, load_rules, parse_goal
-from skolem.reasoner.language.parser import goal_faults
+from skolem.reasoner import Goal, load_rules
+from skolem.reasoner.language.parser import read_goal
 from skolem.reasoner.lint.wrong_rules import refuse_wrong
 from skolem.reasoner.planning.relations import misused, too_sure
 from skolem.reasoner.rulebook.book import Rulebook
@@ -123,17 +123,19 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
     """
     words = rulebook.vocabulary.words()
 
-    def faults(goal: str, names: Collection[str]) -> list[tuple[int, str]]:
-        found = goal_faults(goal, words, names)
-        if found:
+    goals: list[Goal] = []
+
+    def faults(text: str, names: Collection[str]) -> list[tuple[int, str]]:
+        goal, found = read_goal(text, words, names)
+        if goal is None or found:
             return found
-        read = parse_goal(goal, words, names)
-        return [
-            (0, wrong) for wrong in misused(read, rulebook.vocabulary) + too_sure(read, EstimatorConfig().most_sure)
-        ]
+        goals.append(goal)
+        wrong = misused(goal, rulebook.vocabulary) + too_sure(goal, EstimatorConfig().most_sure)
+        return [(0, message) for message in wrong]
 
     scenario = check(document, rulebook.vocabulary.types, faults)
-    return scenario, parse_goal(scenario.goal, words, [item.id for item in scenario.belief.objects])
+    [goal] = goals  # a scenario without fault has had its goal read, once
+    return scenario, goal
 
 
 def run_start(setup: Setup) -> RunStart:

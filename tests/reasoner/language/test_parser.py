@@ -6,7 +6,7 @@ from kit.descriptions import OBJECTS, RELATIONS, goals, lambdas
 from kit.draws import examples
 
 from skolem.reasoner.language.expressions import And, Atom, Believed, Den, Exists, Goal, Lambda, Name, Or, Variable
-from skolem.reasoner.language.parser import goal_faults, parse_goal, parse_lambda
+from skolem.reasoner.language.parser import parse_goal, parse_lambda, read_goal
 from skolem.traces.errors import InputError
 
 GREEN, RED, X = Atom("Green", (Variable("x"),)), Atom("Red", (Variable("x"),)), Variable("x")
@@ -31,7 +31,7 @@ def test_a_description_prints_as_text_that_reads_back_equal(description: Lambda)
 
 @given(st.text(alphabet="BDenKRDo x.lambdaexists(),&|G01 \n", max_size=60))
 def test_no_text_breaks_the_parser(text: str) -> None:
-    for offset, message in goal_faults(text, RELATIONS, OBJECTS):
+    for offset, message in read_goal(text, RELATIONS, OBJECTS)[1]:
         assert 0 <= offset <= len(text)
         assert message
 
@@ -117,7 +117,7 @@ def test_without_a_list_of_objects_every_name_is_accepted() -> None:
     ],
 )
 def test_a_sentence_that_cannot_be_read_stops_with_what_was_expected(text: str, column: int, message: str) -> None:
-    offset, found = goal_faults(text, RELATIONS)[-1]
+    offset, found = read_goal(text, RELATIONS)[1][-1]
     assert offset == column - 1
     assert message in found
 
@@ -143,7 +143,7 @@ def test_a_sentence_that_cannot_be_read_stops_with_what_was_expected(text: str, 
     ],
 )
 def test_what_a_sentence_says_is_checked_too(text: str, column: int, message: str) -> None:
-    offset, found = goal_faults(text, RELATIONS, OBJECTS)[0]
+    offset, found = read_goal(text, RELATIONS, OBJECTS)[1][0]
     assert offset == column - 1
     assert message in found
 

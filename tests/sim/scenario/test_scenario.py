@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from kit.places import ROOT
 
-from skolem.reasoner.language.parser import goal_faults
+from skolem.reasoner.language.parser import read_goal
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.document import MAX_BYTES
@@ -37,7 +37,7 @@ def rulebook() -> Rulebook:
 def read(rulebook: Rulebook, path: Path, *overrides: str) -> Scenario:
     words = rulebook.vocabulary.words()
     types = rulebook.vocabulary.types
-    return load_scenario(path, types, overrides, lambda goal, names: goal_faults(goal, words, names))
+    return load_scenario(path, types, overrides, lambda goal, names: read_goal(goal, words, names)[1])
 
 
 def written(folder: Path, text: str) -> Path:
