@@ -107,6 +107,14 @@ def test_gtsam_stays_behind_the_pose_graph() -> None:
     assert users <= GTSAM_MODULES
 
 
+def test_mind_alone_composes_an_agent() -> None:
+    agents = {"skolem.reasoner.Agent", "skolem.reasoner.agent.Agent"}
+    users = [
+        named(path) for path in modules("tools") if agents & set(imports(ast.parse(path.read_text(encoding="utf-8"))))
+    ]
+    assert users == ["tools/loop/mind.py"]
+
+
 @pytest.mark.parametrize("path", [ROOT / "traces/errors.py", *modules("traces/messages")], ids=named)
 def test_what_all_may_import_stands_on_nothing_else_of_the_product(path: Path) -> None:
     tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -9,17 +9,18 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from skolem.estimation import Belief
-from skolem.reasoner import Agent
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import PosedGoal
 from skolem.reasoner.planning.proofs import Derivation
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.terms import ANY, Compound, Term, compound, prob
+from skolem.tools.loop.mind import Mind
+from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.geometry import NotRecordedError, RecalledGeometry
 from skolem.tools.recorded.rethinking import Given
 from skolem.tools.recorded.run import RecordedRun, RecordedStep
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.messages import Decision, Memory, Plan, PlanStep, Quantity, RememberedStep
+from skolem.traces.messages import Decision, Memory, Message, Plan, PlanStep, Quantity, RememberedStep
 from skolem.traces.wording import amounts
 from skolem.traces.wording.recorded import Recorded
 
@@ -33,23 +34,29 @@ class Insight:
     Attributes:
         given: What the mind is made of.
         recorded: The decision in the trace.
-        belief: What is believed.
-        denotations: The descriptions of the goal.
-        posed: The goal in this belief.
-        geometry: Answers as the trace does.
+        mind: The mind; its geometry answers as the trace does.
+        posed: The goal in its belief.
     """
 
     given: Given
     recorded: RecordedStep
-    belief: Belief
-    denotations: Denotations
+    mind: Mind
     posed: PosedGoal
-    geometry: RecalledGeometry
 
     @property
     def step(self) -> int:
         """The number of the decision."""
         return self.recorded.step
+
+    @property
+    def belief(self) -> Belief:
+        """What is believed."""
+        return self.mind.belief
+
+    @property
+    def denotations(self) -> Denotations:
+        """The descriptions of the goal."""
+        return self.mind.denotations
 
     def derivation(self, fluent: Term) -> Derivation:
         """Return all that the rules derive when they are asked for a fluent."""
@@ -58,35 +65,36 @@ class Insight:
 
     def stack(self) -> Memory | None:
         """Return the plan stack with which the decision ends, decided anew; None if the trace cannot tell."""
-        given, before = self.given, self.recorded.memory
-        if before is None:
+        if self.recorded.memory is None:
             return None
-        agent = Agent(given.goal, given.rulebook, self.belief, self.geometry, given.limits)
-        agent.recall(before)
+        self.mind.recall(self.recorded.memory)
         try:
-            agent.decide(self.step)
+            self.mind.decide(self.step)
         except NotRecordedError:
             return None
-        return agent.memory(self.step + 1)
+        return self.mind.memory(self.step + 1)
 
 
 def insights(run: RecordedRun, given: Given, steps: Iterable[int]) -> Iterator[Insight]:
     """Yield the mind at each of some decisions, in order."""
     wanted = sorted(set(steps))
-    belief, geometry = Belief(given.told), RecalledGeometry()
-    agent = Agent(given.goal, given.rulebook, belief, geometry, given.limits)
+    geometry = RecalledGeometry()
+    mind = Mind(given.goal, given.rulebook, given.told, given.limits, geometry, _unrecorded, Stopwatch())
     for recorded in run.steps():
         if recorded.step in wanted:
             geometry.take(recorded.answers)
-            geometry.sync(belief.snapshot(recorded.step))
             if recorded.memory is not None:
-                agent.recall(recorded.memory)
+                mind.recall(recorded.memory)
             with suppress(NotRecordedError):
-                agent.take_stock()
-            yield Insight(given, recorded, belief, agent.denotations, agent.posed, geometry)
+                mind.take_stock(recorded.step)
+            yield Insight(given, recorded, mind, mind.posed)
         if recorded.step >= max(wanted, default=-1) or recorded.action is None or recorded.met is None:
             return
-        belief.update(recorded.action, *recorded.met)
+        mind.update(recorded.action, *recorded.met)
+
+
+def _unrecorded(topic: str, message: Message) -> None:
+    """Let a thought pass: what was thought in the run is recorded there."""
 
 
 @dataclass(slots=True)

@@ -7,6 +7,8 @@ from collections.abc import Callable
 
 from skolem.estimation import Belief
 from skolem.reasoner import Agent, Geometry, Goal, Turn
+from skolem.reasoner.planning.denotations import Denotations
+from skolem.reasoner.planning.goals import PosedGoal
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools.loop.recorded_geometry import RecordedGeometry
 from skolem.tools.loop.stopwatch import ESTIMATION, REASONING, Stopwatch
@@ -52,6 +54,26 @@ class Mind:
         with watch.part(REASONING):
             self._agent = Agent(goal, rulebook, self._belief, self._geometry, limits)
 
+    @property
+    def belief(self) -> Belief:
+        """What is believed; it goes on with every update."""
+        return self._belief
+
+    @property
+    def denotations(self) -> Denotations:
+        """The descriptions of the goal."""
+        return self._agent.denotations
+
+    @property
+    def posed(self) -> PosedGoal:
+        """The goal in the belief as it was when stock was last taken."""
+        return self._agent.posed
+
+    def take_stock(self, step: int) -> None:
+        """Pose the goal of the belief as it is now, as `decide` begins, and emit nothing of that."""
+        self._geometry.sync(self._belief.snapshot(step))
+        self._agent.take_stock()
+
     def decide(self, step: int) -> Turn:
         """Return the next action or the end of the run, and emit everything thought meanwhile."""
         with self._watch.part(ESTIMATION):
@@ -74,6 +96,10 @@ class Mind:
         """Take in an executed action, what the joints said about it, and what the sensors saw after it."""
         with self._watch.part(ESTIMATION):
             self._belief.update(action, result, observation)
+
+    def memory(self, step: int) -> Memory:
+        """Return what is remembered from before a decision; with the belief, all that it depends on."""
+        return self._agent.memory(step)
 
     def recall(self, memory: Memory) -> None:
         """Remember what a recorded mind did at the same decision, instead of what this one does."""
