@@ -12,9 +12,8 @@ from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.planning.attempts import Attempts
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import Closest, PosedGoal, read_mutexes
-from skolem.reasoner.planning.hierarchy import Change, PlanStack
+from skolem.reasoner.planning.hierarchy import Change, PlanStack, plan_step
 from skolem.reasoner.planning.instances import Instance, title
-from skolem.reasoner.planning.memory import recalled, remembered
 from skolem.reasoner.planning.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.rulebook.book import Rulebook
@@ -29,6 +28,7 @@ from skolem.traces.messages import (
     Memory,
     Plan,
     PlanCause,
+    RememberedStep,
     RunEnd,
     RunStatus,
 )
@@ -36,6 +36,8 @@ from skolem.traces.messages import (
 IMPOSSIBLE: Final = "found impossible in the believed world"  # what is said of a step that is refused
 UNLIKELY: Final = "too unlikely in detail"
 NOT_FOUND: Final = "not found in detail within the limit"
+_PRICE = "recalled"  # the single reason that stands for the costs of a recalled step
+_DEMANDED = "recalled"  # the single precondition that stands for those of a recalled step
 
 
 @dataclass(slots=True)
@@ -108,9 +110,9 @@ class Agent:
         layers, current = self._stack.steps()
         return Memory(
             step=step,
-            layers=tuple(tuple(map(remembered, layer)) for layer in layers),
+            layers=tuple(tuple(map(_remembered, layer)) for layer in layers),
             current=current,
-            executed=None if self._executed is None else remembered(self._executed),
+            executed=None if self._executed is None else _remembered(self._executed),
             failures=self._attempts.failures(),
             in_vain=self._attempts.in_vain(),
             objections={str(impossible): why for impossible, why in sorted(self._objections.items(), key=str)},
@@ -118,8 +120,8 @@ class Agent:
 
     def recall(self, memory: Memory) -> None:
         """Take over what was remembered at a recorded decision, as `memory` returned it."""
-        self._stack = PlanStack([[recalled(step) for step in layer] for layer in memory.layers], memory.current)
-        self._executed = None if memory.executed is None else recalled(memory.executed)
+        self._stack = PlanStack([[_recalled(step) for step in layer] for layer in memory.layers], memory.current)
+        self._executed = None if memory.executed is None else _recalled(memory.executed)
         self._attempts.recall(memory.failures, memory.in_vain)
         self._objections = {parse_term(impossible): why for impossible, why in memory.objections.items()}
         self._begin_anew()
@@ -315,3 +317,30 @@ def _why_none(found: Found) -> str:
     if not found.exhausted:
         return NOT_FOUND
     return UNLIKELY if found.priced_out else IMPOSSIBLE
+
+
+def _remembered(step: Step) -> RememberedStep:
+    """Return the message of a step of the stack."""
+    instance = step.instance
+    return RememberedStep(
+        **dict(plan_step(step)),
+        instance=str(instance.step),
+        called=str(instance.called),
+        executes=None if instance.executes is None else str(instance.executes),
+    )
+
+
+def _recalled(step: RememberedStep) -> Step:
+    """Return the step of a message; it has the price and the concrete level, but not the single costs and fluents."""
+    instance = Instance(
+        step=parse_term(step.instance),
+        called=parse_term(step.called),
+        costs=frozenset({(_PRICE, step.cost)}),
+        preconditions=frozenset({(_DEMANDED, step.concrete)}),
+        executes=None if step.executes is None else parse_term(step.executes),
+    )
+    return Step(instance, step.level, _conjunction(step.subgoal), _conjunction(step.preimage))
+
+
+def _conjunction(fluents: tuple[str, ...]) -> frozenset[Term]:
+    return frozenset(map(parse_term, fluents))

@@ -10,12 +10,12 @@ from skolem.tools.explain.drops import Drop, drops, truths
 from skolem.tools.explain.end import Ending, ending, failure
 from skolem.tools.explain.insight import Course, Insight, Truth, course, insights, mentioned
 from skolem.tools.explain.objects import Choice, choice
-from skolem.tools.explain.parting import parting
 from skolem.tools.explain.refusals import Refused
-from skolem.tools.recorded.replaying import given_in
+from skolem.tools.recorded.replaying import Options, given_in, replay
 from skolem.tools.recorded.rethinking import Given
 from skolem.tools.recorded.rules import Rulebooks
-from skolem.tools.recorded.run import RecordedRun
+from skolem.tools.recorded.run import RecordedRun, RecordedStep
+from skolem.traces.compare.diff import tolerance_for
 from skolem.traces.errors import InternalError, told
 from skolem.traces.messages import Memory
 
@@ -93,7 +93,7 @@ def explained(trace: Path, step: int | None) -> Explanation:
         drops=drops(path, thoughts.now, thoughts.before),
         ending=thoughts.ending,
         notes=(*notes, *_bound(path)),
-        parts=parting(trace, found.step, rulebooks),
+        parts=_parting(trace, found.step, rulebooks),
     )
 
 
@@ -152,3 +152,27 @@ def _views(run: RecordedRun, given: Given, path: Course, stack: Memory) -> tuple
             if made == insight.step:
                 views[i] = view(stack.layers[i], stack.current[i], made, path.within[i], rules)
     return tuple(views[i] for i in sorted(views))
+
+
+def _parting(trace: Path, step: int, rulebooks: Rulebooks) -> int | None:
+    """Return the first decision, up to `step`, that is thought otherwise than it is recorded; None if none is.
+
+    An explanation holds only where this version thinks as the robot did. Last digits of floats do not count, as between
+    two machines.
+    """
+    replayed = replay(_Beginning(trace, step), Options(tolerance_for("other machine")), rulebooks=rulebooks)
+    return next((divergence.step for divergence in replayed.comparison.divergences), None)
+
+
+class _Beginning(RecordedRun):
+    """A recorded run, up to one decision."""
+
+    def __init__(self, path: Path, until: int) -> None:
+        super().__init__(path)
+        self._until = until
+
+    def steps(self) -> Iterator[RecordedStep]:
+        for recorded in super().steps():
+            yield recorded
+            if recorded.step >= self._until:
+                return
