@@ -10,7 +10,7 @@ from skolem.sim.symbolic.corridors import Pillar, pillar
 from skolem.sim.symbolic.sight import BelievedSight, Thing
 from skolem.traces.messages import Belief, Hand, ObjectBelief, ObjectType, Pose2, Pose4
 from skolem.traces.messages.likeliest import likeliest
-from skolem.traces.messages.poses import compose2, compose4, flat, half_open_turn, inverse2, inverse4, raised
+from skolem.traces.messages.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap_half_open
 
 STANDOFF_M = 0.62  # from the base to what a hand reaches for
 OBLIQUE_RAD = 0.4  # between the heading of a base that stands obliquely and the square one
@@ -67,7 +67,7 @@ class SymbolicBelief:
 
     def sight(self, world_T_base: Pose2) -> BelievedSight:
         """Return the camera of a robot that stands somewhere."""
-        things: list[Thing] = [(a, self.type(a), self.object(a).world_T_object) for a in self.standing()]
+        things = [Thing(a, self.type(a), self.object(a).world_T_object) for a in self.standing()]
         return BelievedSight(world_T_base, self.belief.robot.torso, things)
 
     # ---------------------------------------------------------------- base poses
@@ -84,7 +84,7 @@ class SymbolicBelief:
         for turns in ((0.0,), (-OBLIQUE_RAD, OBLIQUE_RAD)):
             poses = []
             for (edge, depth), turn in itertools.product(sides, turns):
-                away, heading = max(STANDOFF_M, (depth + BODY_M) / math.cos(turn)), half_open_turn(edge + turn)
+                away, heading = max(STANDOFF_M, (depth + BODY_M) / math.cos(turn)), wrap_half_open(edge + turn)
                 pose = (x - away * math.cos(heading), y - away * math.sin(heading), heading)
                 if away <= farthest_m and self.free(pose):
                     poses.append(pose)
@@ -95,7 +95,7 @@ class SymbolicBelief:
         """Yield the free base poses all around a point, facing it, the nearest first."""
         headings = [2.0 * math.pi * k / RING_HEADINGS for k in range(RING_HEADINGS)]
         poses = [
-            (middle[0] - away * math.cos(heading), middle[1] - away * math.sin(heading), half_open_turn(heading))
+            (middle[0] - away * math.cos(heading), middle[1] - away * math.sin(heading), wrap_half_open(heading))
             for heading in headings
             for away in RING_M
         ]
@@ -121,4 +121,4 @@ class SymbolicBelief:
         u, v, _ = compose2(inverse2(world_T_table), world_T_target)
         a, b = (size / 2.0 for size in self.type(support).size_m[:2])
         inward = ((0.0, a + u), (math.pi, a - u), (math.pi / 2.0, b + v), (-math.pi / 2.0, b - v))
-        return [(half_open_turn(world_T_table[2] + turn), depth) for turn, depth in inward]
+        return [(wrap_half_open(world_T_table[2] + turn), depth) for turn, depth in inward]

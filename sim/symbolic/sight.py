@@ -16,7 +16,15 @@ from skolem.traces.messages.poses import Vector3, compose4, inverse4, raised
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Thing = tuple[str, ObjectType, Pose4]  # name, type and pose in the world
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Thing:
+    """What stands in the way of sight: its name, type and pose."""
+
+    name: str
+    type: ObjectType
+    world_T_object: Pose4
 
 
 class BelievedSight:
@@ -27,7 +35,7 @@ class BelievedSight:
         self._world_T_base = raised(world_T_base)
         base_T_world = inverse4(self._world_T_base)
         self._torso = torso
-        self._solids = [Solid(name, kind, compose4(base_T_world, at)) for name, kind, at in things]
+        self._solids = [Solid(thing.name, thing.type, compose4(base_T_world, thing.world_T_object)) for thing in things]
         self._head = (0.0, 0.0)
 
     def look_at(self, point_world: Vector3) -> tuple[float, float] | None:

@@ -14,7 +14,7 @@ from skolem.sim.space.surveys import Survey
 from skolem.sim.symbolic.belief import SymbolicBelief
 from skolem.sim.symbolic.corridors import CORRIDOR_M, pillar, standing_in
 from skolem.sim.symbolic.hands import FAR_M, SymbolicHands
-from skolem.sim.symbolic.sight import BelievedSight
+from skolem.sim.symbolic.sight import BelievedSight, Thing
 from skolem.traces.messages import Activity, ObjectType, Pose2, Pose4
 from skolem.traces.messages.poses import Vector3, flat
 
@@ -150,7 +150,7 @@ class Ways:
         points = self._looked_at(activity, way)
 
         def is_clear(at: Pose4) -> bool:
-            alone = BelievedSight(way.world_T_base, self._belief.belief.robot.torso, [("", round_kind, at)])
+            alone = BelievedSight(way.world_T_base, self._belief.belief.robot.torso, [Thing("", round_kind, at)])
             middle = points.mean(axis=0)
             target: Vector3 = (float(middle[0]), float(middle[1]), float(middle[2]))
             alone.look_at(target)

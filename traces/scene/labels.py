@@ -16,7 +16,7 @@ from skolem.traces.messages.likeliest import likeliest
 from skolem.traces.scene.eye import VIEW_PX, Eye
 from skolem.traces.scene.layout import HEIGHT_PX, Wish, arrange, half_size
 from skolem.traces.scene.rows import Rows, When
-from skolem.traces.scene.seen import in_sight, kinds, region_corners
+from skolem.traces.scene.seen import in_sight, likely, region_corners
 from skolem.traces.scene.shapes import FRAME, OUTLINE, Rgba, Xyz, colour_word, point_on
 from skolem.traces.scene.stage import Limb
 
@@ -130,7 +130,8 @@ def two_digits(p: float) -> str:
 def _of_tables(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[_Label]:
     """Return the labels of supports, each below the edge that is nearest to the eye."""
     labels = []
-    for anchor, known, kind in kinds(belief, types):
+    for each in likely(belief, types):
+        anchor, known, kind = each.anchor, each.known, each.kind
         if kind.shape == "table":
             x, y, z = kind.size_m
             sides = [(x / 2.0, 0.0), (-x / 2.0, 0.0), (0.0, y / 2.0), (0.0, -y / 2.0)]
@@ -144,15 +145,15 @@ def _of_objects(belief: Belief, denotation: Denotation | None, types: Mapping[st
     """Return the labels of all else, each above its object and with a line to it."""
     return [
         _Label(
-            f"belief/{anchor}",
-            text_of(anchor, known, kind, denotation),
-            (point_on(known.world_T_object, (0.0, 0.0, kind.size_m[2])),),
+            f"belief/{each.anchor}",
+            text_of(each.anchor, each.known, each.kind, denotation),
+            (point_on(each.known.world_T_object, (0.0, 0.0, each.kind.size_m[2])),),
             _ABOVE_PX,
             _WHITE,
             True,
         )
-        for anchor, known, kind in kinds(belief, types)
-        if kind.shape != "table"
+        for each in likely(belief, types)
+        if each.kind.shape != "table"
     ]
 
 

@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from skolem.traces.messages import Belief, ObjectBelief, ObjectType, RegionBelief
@@ -40,10 +41,19 @@ def in_sight(
     return [*found, *_believed(eye, belief, types), *_edges(eye, belief, types), *_limbs(eye, limbs)]
 
 
-def kinds(belief: Belief, types: Mapping[str, ObjectType]) -> list[tuple[str, ObjectBelief, ObjectType]]:
-    """Return the objects that are likely to exist, and what they most likely are."""
+@dataclass(frozen=True, slots=True)
+class Likely:
+    """An object that is likely to exist: what is known of it, and the kind of thing that it most likely is."""
+
+    anchor: str
+    known: ObjectBelief
+    kind: ObjectType
+
+
+def likely(belief: Belief, types: Mapping[str, ObjectType]) -> list[Likely]:
+    """Return the objects that are likely to exist."""
     found = ((anchor, belief.objects[anchor]) for anchor in belief.anchors)
-    return [(anchor, known, types[likeliest(known.type)]) for anchor, known in found if known.exists >= UNSURE]
+    return [Likely(anchor, known, types[likeliest(known.type)]) for anchor, known in found if known.exists >= UNSURE]
 
 
 def region_corners(belief: Belief, region: RegionBelief, types: Mapping[str, ObjectType]) -> list[Xyz]:
@@ -62,7 +72,8 @@ def _edges(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[Se
         for one, bit in itertools.product(range(len(pixels)), (1, 2, 4)):
             if not one & bit:
                 found += dots(pixels[one], pixels[one | bit], _EDGE_PX, _EDGE_WORTH_PX)
-    for _, known, kind in kinds(belief, types):
+    for each in likely(belief, types):
+        known, kind = each.known, each.kind
         if kind.shape == "table":
             x, y, z = kind.size_m
             corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
@@ -77,7 +88,8 @@ def _edges(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[Se
 def _believed(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[Seen]:
     """Return the believed objects as something to be seen, tables apart, and how unsure their places are."""
     found = []
-    for _, known, kind in kinds(belief, types):
+    for each in likely(belief, types):
+        known, kind = each.known, each.kind
         if kind.shape != "table":
             x, y, z = kind.size_m
             spread = SIGMAS * float(max(known.covariance[0], known.covariance[3])) ** 0.5

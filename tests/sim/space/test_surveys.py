@@ -11,7 +11,7 @@ from skolem.reasoner.protocols import Geometry
 from skolem.sim.planner.planner import PlanningWorld
 from skolem.sim.space.surveys import survey, unseen_points
 from skolem.sim.symbolic.geometry import SymbolicGeometry
-from skolem.sim.symbolic.sight import BelievedSight
+from skolem.sim.symbolic.sight import BelievedSight, Thing
 from skolem.traces.messages import Activity, Belief, LookAt, ObjectBelief, Pose2, RegionBelief, RobotState
 from skolem.traces.messages.poses import compose2, compose4
 
@@ -53,7 +53,7 @@ def left_unseen(
     objects: dict[str, ObjectBelief], unseen: tuple[tuple[int, int, int], ...], base: Pose2, look: LookAt
 ) -> tuple[tuple[int, int, int], ...]:
     """Return what a picture does not show, by rays of a camera that knows the objects exactly."""
-    things = [(a, scenes.TYPES[next(iter(item.type))], item.world_T_object) for a, item in objects.items()]
+    things = [Thing(a, scenes.TYPES[next(iter(item.type))], item.world_T_object) for a, item in objects.items()]
     sight = BelievedSight(base, 0.2, things)
     sight.turn((look.pan, look.tilt))
     points = np.array(
