@@ -20,9 +20,8 @@ from skolem.traces.messages import (
     Prior,
     Probability,
     RobotState,
+    Upper3x3,
 )
-
-Upper6 = tuple[float, float, float, float, float, float]
 
 
 class Began(Message):
@@ -55,7 +54,7 @@ class Sighting(Message):
     new: bool = Field(description="the anchor was made for this detection")
     support: Anchor | None = Field(default=None, description="of a new anchor: what it stands on; null: the floor")
     camera_T_object: Pose2 = Field(description="in the base frame as the camera had it, error included")
-    covariance: Upper6 = Field(description="of the sighting alone over (x, y, theta), object frame")
+    covariance: Upper3x3 = Field(description="of the sighting alone over (x, y, theta), object frame")
     z: float
     z_sd_m: float
     odds: float = Field(
@@ -78,7 +77,7 @@ class Looked(Message):
     """A picture was taken."""
 
     kind: Literal["looked"] = "looked"
-    camera_covariance: Upper6 = Field(
+    camera_covariance: Upper3x3 = Field(
         description="of the error common to all sightings, over (x, y, theta), base frame"
     )
     sightings: tuple[Sighting, ...]

@@ -9,22 +9,21 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.traces.messages import Pose2
-from skolem.traces.messages.poses import compose2, inverse2, nearest_turn
+from skolem.traces.messages import Pose2, Upper3x3
+from skolem.traces.messages.poses import compose2, inverse2, wrap_exactly
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-Upper = tuple[float, float, float, float, float, float]
 
 
 def compose(a_T_b: Pose2, b_T_c: Pose2) -> Pose2:
     """Return a_T_c, its angle in [-pi, pi]."""
-    return compose2(a_T_b, b_T_c, nearest_turn)
+    return compose2(a_T_b, b_T_c, wrap_exactly)
 
 
 def inverse(a_T_b: Pose2) -> Pose2:
     """Return b_T_a, its angle in [-pi, pi]."""
-    return inverse2(a_T_b, nearest_turn)
+    return inverse2(a_T_b, wrap_exactly)
 
 
 def between(w_T_a: Pose2, w_T_b: Pose2) -> Pose2:
@@ -36,12 +35,12 @@ def exp(tangent: Vector) -> Pose2:
     """Return the pose reached by moving along `tangent`, shape (3,), for one unit of time."""
     x, y, turn = (float(v) for v in tangent)
     a, b = _arc(turn)
-    return (a * x - b * y, b * x + a * y, nearest_turn(turn))
+    return (a * x - b * y, b * x + a * y, wrap_exactly(turn))
 
 
 def log(pose: Pose2) -> Vector:
     """Return the tangent, shape (3,), whose `exp` is `pose`."""
-    turn = nearest_turn(pose[2])
+    turn = wrap_exactly(pose[2])
     a, b = _arc(turn)
     d = a * a + b * b
     return np.array([(a * pose[0] + b * pose[1]) / d, (a * pose[1] - b * pose[0]) / d, turn])
@@ -65,13 +64,13 @@ def turned(covariance: Matrix, angle: float) -> Matrix:
     return np.asarray(r @ covariance @ r.T)
 
 
-def upper(covariance: Matrix) -> Upper:
+def upper(covariance: Matrix) -> Upper3x3:
     """Return the upper triangle of a 3x3 matrix, row by row, as plain floats without negative zeros."""
     (a, b, c), (_, d, e), (_, _, f) = (covariance + 0.0).tolist()
     return (a, b, c, d, e, f)
 
 
-def symmetric(upper_triangle: Upper) -> Matrix:
+def symmetric(upper_triangle: Upper3x3) -> Matrix:
     """Return the symmetric 3x3 matrix with that upper triangle."""
     a, b, c, d, e, f = upper_triangle
     return np.array([[a, b, c], [b, d, e], [c, e, f]])

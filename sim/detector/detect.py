@@ -18,7 +18,7 @@ from skolem.sim.detector.supports import Support, find_supports
 from skolem.sim.detector.tables import TableFit, find_tables
 from skolem.sim.space.pinhole import ROWS, focal_px
 from skolem.sim.truth.noise import extrinsic_covariance
-from skolem.traces.messages import Detection, NoiseModel, ObjectType
+from skolem.traces.messages import Detection, NoiseModel, ObjectType, Upper3x3
 from skolem.traces.messages.likeliest import likeliest
 
 MAX_DISTANCE_M = 2.4  # from the camera; beyond it depth errors hide the step between an object and its support
@@ -101,7 +101,7 @@ def pose_covariance(
     base_T_object: tuple[float, float, float, float],
     camera_base: NDArray[np.float64],
     noise: NoiseModel,
-) -> tuple[float, float, float, float, float, float]:
+) -> Upper3x3:
     """Return the upper triangle of the covariance of a seen pose over (x, y, theta), object frame.
 
     It is the sum of the fit's covariance and that of the calibration error at this place, turned from the base frame's

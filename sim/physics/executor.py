@@ -16,7 +16,7 @@ from skolem.sim.physics.motors import Motors
 from skolem.sim.physics.world import World
 from skolem.sim.robot.pr2 import HEAD
 from skolem.traces.messages import TICKS_PER_SECOND, Hand, Joints7, Pose2
-from skolem.traces.messages.poses import compose2, half_open_turn
+from skolem.traces.messages.poses import compose2, wrap_half_open
 
 SAMPLE_TICKS = 12  # of kinematic motions: 2 cm of driving, 0.05 rad of turning
 BASE_SPEED_M, BASE_SPEED_RAD = 0.4, 0.8  # per second
@@ -150,12 +150,12 @@ def _samples(
 def _drive_samples(start_T_waypoint: Sequence[Pose2]) -> Iterator[Pose2]:
     """Yield base poses along waypoints, straight from each to the next, one for each sample of time."""
     for a, b in pairwise(start_T_waypoint):
-        turn = half_open_turn(b[2] - a[2])
+        turn = wrap_half_open(b[2] - a[2])
         seconds = max(math.hypot(b[0] - a[0], b[1] - a[1]) / BASE_SPEED_M, abs(turn) / BASE_SPEED_RAD)
         count = math.ceil(seconds * TICKS_PER_SECOND / SAMPLE_TICKS)
         for k in range(1, count + 1):
             share = k / count
-            yield (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), half_open_turn(a[2] + share * turn))
+            yield (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), wrap_half_open(a[2] + share * turn))
 
 
 def _joints7(values: NDArray[np.float64]) -> Joints7:

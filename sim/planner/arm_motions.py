@@ -22,7 +22,7 @@ from skolem.sim.robot.rotations import rotation
 from skolem.sim.space import grasps
 from skolem.traces.messages import Hand, Joints7, Pick, Place, Pose4
 from skolem.traces.messages.arm import CARRY
-from skolem.traces.messages.poses import compose2, compose4, flat, half_open_turn, inverse2, inverse4, raised
+from skolem.traces.messages.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap_half_open
 
 Floats = NDArray[np.float64]
 
@@ -180,7 +180,7 @@ class ArmPlanner:
         """Return base_T_tool at the release over a spot of the table, with the fingers along `yaw`."""
         top = table.type.size_m[2] + grasps.RELEASE_M
         x, y, z, _ = self._in_base(compose4(table.world_T_object, (spot[0], spot[1], top, 0.0)))
-        base_T_object = (x, y, z, half_open_turn(yaw + carried.tool_T_object[3]))
+        base_T_object = (x, y, z, wrap_half_open(yaw + carried.tool_T_object[3]))
         return compose4(base_T_object, inverse4(carried.tool_T_object))
 
     def _place_sketch(

@@ -21,7 +21,7 @@ from skolem.sim.robot.pr2 import ARM, BASE, FINGER_OPEN_RAD, HEAD, PR2
 from skolem.sim.space.doubt import Doubts
 from skolem.traces.messages import HANDS, Belief, Hand, ObjectType, Pose2, Pose4
 from skolem.traces.messages.likeliest import likeliest
-from skolem.traces.messages.poses import Vector3, compose2, flat, inverse2
+from skolem.traces.messages.poses import Vector3, compose2, flat, inverse2, quaternion_xyzw
 
 Floats = NDArray[np.float64]
 
@@ -235,8 +235,7 @@ class BelievedWorld:
             self.robot.id, self._tool_link[hand], computeForwardKinematics=True, physicsClientId=self.client
         )
         centre = (x, y, z + item.type.size_m[2] / 2.0)
-        turn = (0.0, 0.0, math.sin(theta / 2.0), math.cos(theta / 2.0))
-        at = p.multiplyTransforms(state[4], state[5], centre, turn)
+        at = p.multiplyTransforms(state[4], state[5], centre, quaternion_xyzw(theta))
         p.resetBasePositionAndOrientation(item.body, *at, physicsClientId=self.client)
 
     def free(self, touching: frozenset[int] = frozenset()) -> bool:

@@ -17,6 +17,7 @@ from skolem.sim.planner.candidates import Candidates
 from skolem.sim.planner.stances import Stances
 from skolem.sim.space.activities import is_other_side
 from skolem.traces.messages import SENSING_HAND, Activity, Belief, Command, Hand, LookAt, Pick, Pose2, Weigh
+from skolem.traces.messages.poses import wrap_half_open
 
 Floats = NDArray[np.float64]
 
@@ -150,5 +151,5 @@ class Trials:
 
 def is_same(a: Pose2, b: Pose2) -> bool:
     """Return whether two base poses are so near that what fails at one will fail at the other."""
-    turn = abs((a[2] - b[2] + math.pi) % (2.0 * math.pi) - math.pi)
+    turn = abs(wrap_half_open(a[2] - b[2]))
     return math.dist(a[:2], b[:2]) < SAME_M and turn < SAME_RAD

@@ -16,7 +16,7 @@ from skolem.sim.robot.assets import patched_urdf_path, quiet_output, srdf_path
 from skolem.sim.robot.bullet import p
 from skolem.traces.messages import HANDS, Hand, Joints7, Pose2, Pose4, RobotState
 from skolem.traces.messages.arm import CARRY
-from skolem.traces.messages.poses import Quaternion, Vector3, half_open_turn, heading
+from skolem.traces.messages.poses import Quaternion, Vector3, heading, wrap_half_open
 
 BASE = ("base_x", "base_y", "base_theta")
 TORSO = "torso_lift_joint"
@@ -152,7 +152,7 @@ class PR2:
     def base(self) -> Pose2:
         """Return world_T_base, theta in [-pi, pi)."""
         x, y, theta = self.joints(BASE)
-        return (x, y, half_open_turn(theta))
+        return (x, y, wrap_half_open(theta))
 
     def set_gripper(self, hand: Hand, opening_rad: float) -> None:
         """Set all four finger joints to an angle; 0 is closed. PyBullet ignores `<mimic>`, so each joint is set."""
@@ -209,7 +209,7 @@ class PR2:
         ahead = math.cos(pan) * x + math.sin(pan) * y - pan_tilt[0]
         up = dz - torso_pan[2] - pan_tilt[2]
         tilt = _asin(tilt_camera[2] / math.hypot(ahead, up)) - math.atan2(up, ahead)
-        return self._clip(HEAD[0], half_open_turn(pan)), self._clip(HEAD[1], half_open_turn(tilt))
+        return self._clip(HEAD[0], wrap_half_open(pan)), self._clip(HEAD[1], wrap_half_open(tilt))
 
     def _clip(self, joint: str, value: float) -> float:
         lower, upper = self.limits[joint]

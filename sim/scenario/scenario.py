@@ -31,7 +31,7 @@ from skolem.traces.messages import (
     RobotState,
 )
 from skolem.traces.messages.likeliest import likeliest
-from skolem.traces.messages.poses import compose2, half_open_turn
+from skolem.traces.messages.poses import compose2, wrap_half_open
 
 __all__ = [
     "Document",
@@ -217,7 +217,7 @@ def _region(item: BelievedRegion, scenario: Scenario) -> PriorRegion:
 def _perturbed(world_T_thing: Pose2, sd_xy: float, sd_theta: float, noise: list[float]) -> Pose2:
     """Return the pose moved by standard normal `noise` (x, y, theta) times the deviations."""
     x, y, theta = world_T_thing
-    return (x + sd_xy * noise[0], y + sd_xy * noise[1], half_open_turn(theta + sd_theta * noise[2]))
+    return (x + sd_xy * noise[0], y + sd_xy * noise[1], wrap_half_open(theta + sd_theta * noise[2]))
 
 
 def _raised(item: WorldObject, world_T_item: Pose2, scenario: Scenario, types: Types) -> Pose4:

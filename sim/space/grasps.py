@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.traces.messages import ObjectType, Pose4
-from skolem.traces.messages.poses import compose4, inverse4
+from skolem.traces.messages.poses import compose4, inverse4, wrap_half_open
 
 Floats = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def approach_yaws(object_type: ObjectType, theta: float) -> Floats:
         fits = object_type.size_m[0] < WIDEST_M
         return np.linspace(-STEEPEST_RAD, STEEPEST_RAD, YAWS) if fits else np.empty(0)
     quarter = [k for k in range(4) if object_type.size_m[1 - k % 2] < WIDEST_M]
-    turned = [(theta + k * math.pi / 2.0 + math.pi) % (2.0 * math.pi) - math.pi for k in quarter]
+    turned = [wrap_half_open(theta + k * math.pi / 2.0) for k in quarter]
     return np.array(sorted(yaw for yaw in turned if abs(yaw) <= STEEPEST_RAD))
 
 

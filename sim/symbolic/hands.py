@@ -12,7 +12,7 @@ from skolem.sim.symbolic.arm import reach
 from skolem.sim.symbolic.belief import SymbolicBelief
 from skolem.traces.messages import Hand, Joints7, Pick, Place, Pose2, Pose4
 from skolem.traces.messages.arm import CARRY, shoulder
-from skolem.traces.messages.poses import compose4, half_open_turn, inverse4
+from skolem.traces.messages.poses import compose4, inverse4, wrap_half_open
 
 NEAR_M, FAR_M = 0.5, 0.8  # from the base to what a hand reaches for
 FACING_RAD = 0.5
@@ -65,7 +65,7 @@ class SymbolicHands:
         if believed.in_hand != hand or believed.tool_T_object is None or not _within_reach(base_T_release):
             return None
         for yaw in self._straightest(hand, base_T_release, np.linspace(-STEEPEST_RAD, STEEPEST_RAD, YAWS)):
-            turned = (*base_T_release[:3], half_open_turn(yaw + believed.tool_T_object[3]))
+            turned = (*base_T_release[:3], wrap_half_open(yaw + believed.tool_T_object[3]))
             arm = self._reach(hand, compose4(turned, inverse4(believed.tool_T_object)), back_off(kind, 0.0))
             if arm is not None:
                 return Place(
@@ -78,7 +78,7 @@ class SymbolicHands:
         sx, sy, _ = shoulder(hand, self._belief.belief.robot.torso)
         straight = math.atan2(base_T_target[1] - sy, base_T_target[0] - sx)
         angles: list[float] = yaws.tolist()
-        yield from sorted(angles, key=lambda yaw: (abs(half_open_turn(yaw - straight)), yaw))
+        yield from sorted(angles, key=lambda yaw: (abs(wrap_half_open(yaw - straight)), yaw))
 
     def _reach(self, hand: Hand, base_T_tool: Pose4, back_m: float) -> Reach | None:
         """Return arm configurations at a tool pose, `back_m` behind it and a little above it, or None."""

@@ -58,7 +58,7 @@ from skolem.traces.messages import (
     Wrench,
 )
 from skolem.traces.messages.arm import CARRY
-from skolem.traces.messages.poses import compose2, compose4, flat, half_open_turn, inverse2, inverse4, raised
+from skolem.traces.messages.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap_half_open
 
 TABLE_SD_M, TABLE_SD_RAD = 0.005, 0.01  # of a seen table beside the camera's error
 CAPTURE_M, CAPTURE_RAD = 0.03, 0.2  # a hand closes on what is this near to where it was planned to be
@@ -227,7 +227,7 @@ class SymbolicWorld:
             x, y, z, theta = compose4(inverse4(world_T_planned), body.world_T_object)
             offset, twist = (
                 math.hypot(x, y),
-                0.0 if kind.shape == "cylinder" else abs(half_open_turn(2.0 * theta)) / 2.0,
+                0.0 if kind.shape == "cylinder" else abs(wrap_half_open(2.0 * theta)) / 2.0,
             )
             within = offset <= CAPTURE_M and abs(z) <= kind.size_m[2] / 2.0 and twist <= CAPTURE_RAD
             if kind.graspable and body.id not in held and within and (best is None or (offset, body.id) < best):
@@ -321,7 +321,7 @@ class SymbolicWorld:
         """Return the detection of one solid by a detector that errs as the camera's calibration does."""
         body, upright = self._bodies[solid.id], solid.type.shape == "cylinder"
         x, y, z, theta = base_T_seen
-        base_T_object = (x, y, z, 0.0 if upright else half_open_turn(2.0 * theta) / 2.0)
+        base_T_object = (x, y, z, 0.0 if upright else wrap_half_open(2.0 * theta) / 2.0)
         fit = np.diag([MODEL_SD_M**2, MODEL_SD_M**2, UNKNOWN_YAW_SD_RAD**2 if upright else MODEL_SD_M**2])
         h, s, v = body.hsv
         distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))
@@ -340,7 +340,7 @@ class SymbolicWorld:
     def _table_detection(self, solid: Solid, base_T_top: Pose4, camera_base: NDArray[np.float64]) -> Detection:
         """Return the detection of a table whose top is seen at a pose."""
         x, y, z, theta = base_T_top
-        base_T_table = (x, y, z - solid.type.size_m[2], half_open_turn(2.0 * theta) / 2.0)
+        base_T_table = (x, y, z - solid.type.size_m[2], wrap_half_open(2.0 * theta) / 2.0)
         fit = np.diag([TABLE_SD_M**2, TABLE_SD_M**2, TABLE_SD_RAD**2])
         h, s, v = self._bodies[solid.id].hsv
         distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))

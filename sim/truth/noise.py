@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from skolem.traces.messages import NoiseModel, Pose2
-from skolem.traces.messages.poses import half_open_turn
+from skolem.traces.messages.poses import wrap_half_open
 
 # Kinect v1: axial noise after Nguyen, Izadi and Lovell, "Modeling Kinect sensor noise" (2012)
 AXIAL_SD_M, AXIAL_SD_PER_M2, AXIAL_BEST_M = 0.0012, 0.0019, 0.4
@@ -110,7 +110,7 @@ def extrinsic_covariance(noise: NoiseModel, camera_to_object: NDArray[np.float64
 
 def odometry_error(noise: NoiseModel, start_T_end: Pose2, draws: Generator) -> Pose2:
     """Draw end_T_true: the true pose after a drive commanded to `start_T_end`, in the frame of the commanded end."""
-    distance, turn = float(np.hypot(start_T_end[0], start_T_end[1])), abs(half_open_turn(start_T_end[2]))
+    distance, turn = float(np.hypot(start_T_end[0], start_T_end[1])), abs(wrap_half_open(start_T_end[2]))
     sd_m = noise.odometry_sd_m + noise.odometry_sd_per_m * distance
     sd_rad = noise.odometry_sd_rad + noise.odometry_sd_per_rad * turn
     x, y, theta = draws.normal(size=3) * (sd_m, sd_m, sd_rad)

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from skolem.tools.replay.options import All, Atol, Rtol
+
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
@@ -36,13 +38,9 @@ def replay(
             "model.* or noise.*; repeatable.",
         ),
     ] = None,
-    atol: Annotated[
-        float | None, typer.Option(min=0.0, help="Absolute tolerance of floats, instead of the table's.")
-    ] = None,
-    rtol: Annotated[
-        float | None, typer.Option(min=0.0, help="Relative tolerance of floats, instead of the table's.")
-    ] = None,
-    all_: Annotated[bool, typer.Option("--all", help="Print every divergence, not the first alone.")] = False,
+    atol: Atol = None,
+    rtol: Rtol = None,
+    all_: All = False,
     workers: Annotated[
         int | None, typer.Option(min=1, max=1024, help="Processes that share the traces; default: as many as pay.")
     ] = None,

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from skolem.tools.replay.options import All, Atol, Rtol
 from skolem.tools.words.printable import printable
 from skolem.traces.errors import Fault, InputError
 
@@ -19,13 +20,9 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 def reproduce(
     trace: Annotated[Path, typer.Argument(help="Trace of a run.")],
     keep: Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the trace of the new run here.")] = None,
-    atol: Annotated[
-        float | None, typer.Option(min=0.0, help="Absolute tolerance of floats, instead of the table's.")
-    ] = None,
-    rtol: Annotated[
-        float | None, typer.Option(min=0.0, help="Relative tolerance of floats, instead of the table's.")
-    ] = None,
-    all_: Annotated[bool, typer.Option("--all", help="Print every divergence, not the first alone.")] = False,
+    atol: Atol = None,
+    rtol: Rtol = None,
+    all_: All = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,

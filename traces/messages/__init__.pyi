@@ -23,6 +23,7 @@ from .base import (
     Pose4 as Pose4,
     Probability as Probability,
     Step as Step,
+    Upper3x3 as Upper3x3,
     WorldName as WorldName,
     canonical as canonical,
 )

@@ -22,6 +22,7 @@ MicroNats = Annotated[int, Field(ge=0, le=50_000_000, description="-ln p in mill
 Step = Annotated[int, Field(ge=0, description="number of actions executed before")]
 Pose2 = Annotated[tuple[float, float, float], Field(description="x, y [m], theta [rad]")]
 Pose4 = Annotated[tuple[float, float, float, float], Field(description="x, y, z [m], theta [rad]")]
+Upper3x3 = tuple[float, float, float, float, float, float]  # of a symmetric 3x3 matrix the upper triangle, row by row
 Joints7 = Annotated[
     tuple[float, float, float, float, float, float, float],
     Field(description="shoulder pan, lift, upper-arm roll, elbow flex, forearm roll, wrist flex, wrist roll [rad]"),

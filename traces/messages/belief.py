@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from skolem.traces.messages.base import Anchor, Hand, Message, Pose2, Pose4, Probability, Step
+from skolem.traces.messages.base import Anchor, Hand, Message, Pose2, Pose4, Probability, Step, Upper3x3
 from skolem.traces.messages.prior import HsvBelief
 from skolem.traces.messages.sensing import RobotState
 
@@ -15,9 +15,7 @@ class ObjectBelief(Message):
     exists: Probability
     type: dict[str, Probability]
     world_T_object: Pose4 = Field(description="mean; while held: where the hand carries it")
-    covariance: tuple[float, float, float, float, float, float] = Field(
-        description="marginal, upper triangle of 3x3 over (x, y, theta), object frame"
-    )
+    covariance: Upper3x3 = Field(description="marginal, upper triangle of 3x3 over (x, y, theta), object frame")
     support: Anchor | None = None
     in_hand: Hand | None = None
     tool_T_object: Pose4 | None = Field(default=None, description="grasp, while held")
@@ -54,9 +52,7 @@ class Belief(Message):
     step: Step
     version: int = Field(description="number of events applied")
     world_T_base: Pose2
-    base_covariance: tuple[float, float, float, float, float, float] = Field(
-        description="as in ObjectBelief, base frame"
-    )
+    base_covariance: Upper3x3 = Field(description="as in ObjectBelief, base frame")
     robot: RobotState
     anchors: tuple[str, ...] = Field(description="in order of introduction")
     objects: dict[str, ObjectBelief]

@@ -3,7 +3,7 @@
 `compose2(a_T_b, b_T_c)` is `a_T_c`. All numbers are plain floats: metres, radians.
 
 Two functions wrap an angle into one turn. Recorded runs hold the last bits of both, so each side keeps its own: the
-estimator `nearest_turn`, simulators and planners `half_open_turn`.
+estimator `wrap_exactly`, simulators and planners `wrap_half_open`.
 """
 
 import math
@@ -15,24 +15,24 @@ Quaternion = tuple[float, float, float, float]
 Vector3 = tuple[float, float, float]
 
 
-def nearest_turn(angle: float) -> float:
+def wrap_exactly(angle: float) -> float:
     """Return the angle in [-pi, pi]; an angle in that range is not rounded."""
     return math.remainder(angle, math.tau)
 
 
-def half_open_turn(angle: float) -> float:
+def wrap_half_open(angle: float) -> float:
     """Return the angle in [-pi, pi): unique for each direction, but most angles are rounded in their last bits."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
-def compose2(a_T_b: Pose2, b_T_c: Pose2, wrap: Callable[[float], float] = half_open_turn) -> Pose2:
+def compose2(a_T_b: Pose2, b_T_c: Pose2, wrap: Callable[[float], float] = wrap_half_open) -> Pose2:
     """Return a_T_c, its angle wrapped by `wrap`."""
     x, y, theta = a_T_b
     c, s = math.cos(theta), math.sin(theta)
     return (x + c * b_T_c[0] - s * b_T_c[1], y + s * b_T_c[0] + c * b_T_c[1], wrap(theta + b_T_c[2]))
 
 
-def inverse2(a_T_b: Pose2, wrap: Callable[[float], float] = half_open_turn) -> Pose2:
+def inverse2(a_T_b: Pose2, wrap: Callable[[float], float] = wrap_half_open) -> Pose2:
     """Return b_T_a, its angle wrapped by `wrap`."""
     x, y, theta = a_T_b
     c, s = math.cos(theta), math.sin(theta)

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from skolem.traces.messages.base import Hand, Joints7, Message, Pose2, Pose4, Step
+from skolem.traces.messages.base import Hand, Joints7, Message, Pose2, Pose4, Step, Upper3x3
 
 
 class RobotState(Message):
@@ -20,7 +20,7 @@ class Detection(Message):
     """One object seen by the camera."""
 
     base_T_object: Pose4
-    covariance: tuple[float, float, float, float, float, float] = Field(
+    covariance: Upper3x3 = Field(
         description="upper triangle of 3x3 over (x, y, theta), tangent space of the detected pose (object frame)"
     )
     type_log_likelihood: dict[str, float]

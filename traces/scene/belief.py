@@ -9,16 +9,16 @@ from collections.abc import Mapping, Sequence
 
 import rerun as rr
 
-from skolem.traces.messages import Belief, ObjectBelief, ObjectType, Pose4
+from skolem.traces.messages import Belief, ObjectBelief, ObjectType, Pose4, Upper3x3
 from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.messages.poses import quaternion_xyzw
 from skolem.traces.scene.rows import Rows, When
-from skolem.traces.scene.shapes import FRAME, GREY, Rgba, Shapes, point_on, rgba, turned
+from skolem.traces.scene.shapes import FRAME, GREY, Rgba, Shapes, point_on, rgba
 
 SIGMAS = 2.0
 _LEAST_M, _FLAT_M, _ABOVE_M = 0.004, 0.005, 0.02
 _PALE, _SHEER = 0.45, 170  # of an ellipsoid: share of its object's saturation, opacity
 _ORANGE: Rgba = (255, 150, 40, 130)
-Covariance = tuple[float, float, float, float, float, float]
 
 
 class Beliefs:
@@ -47,7 +47,7 @@ class Beliefs:
         if anchor not in self._known:
             self._rows.static(f"{entity}/place", FRAME)
         hsv = known.colour.mean if known.colour_seen else GREY
-        self._shapes.draw(entity, when, kind, (x, y, z), turned(theta), rgba(hsv), "majorwireframe")
+        self._shapes.draw(entity, when, kind, (x, y, z), quaternion_xyzw(theta), rgba(hsv), "majorwireframe")
         above = kind.size_m[2] + _ABOVE_M
         self._rows.add(f"{entity}/place", when, spread(known.world_T_object, known.covariance, above, _pale(hsv)))
 
@@ -61,7 +61,7 @@ def _pale(hsv: Sequence[float]) -> Rgba:
     return rgba((hsv[0], hsv[1] * _PALE, 1.0), _SHEER)
 
 
-def spread(world_T_object: Pose4, covariance: Covariance, above: float, colour: Rgba) -> rr.Ellipsoids3D:
+def spread(world_T_object: Pose4, covariance: Upper3x3, above: float, colour: Rgba) -> rr.Ellipsoids3D:
     """Return the flat ellipsoid of a position, as high above the pose as asked.
 
     Args:
@@ -77,7 +77,7 @@ def spread(world_T_object: Pose4, covariance: Covariance, above: float, colour: 
     return rr.Ellipsoids3D(
         centers=[point_on(world_T_object, (0.0, 0.0, above))],
         half_sizes=[[*(max(_LEAST_M, axis) for axis in axes), _FLAT_M]],
-        quaternions=[rr.Quaternion(xyzw=turned(angle))],
+        quaternions=[rr.Quaternion(xyzw=quaternion_xyzw(angle))],
         colors=[colour],
         fill_mode="solid",
     )

@@ -13,8 +13,9 @@ import rerun as rr
 
 from skolem.traces.messages import Belief, ObjectType, RegionBelief
 from skolem.traces.messages.likeliest import likeliest
+from skolem.traces.messages.poses import quaternion_xyzw
 from skolem.traces.scene.rows import Rows, When
-from skolem.traces.scene.shapes import FRAME, OUTLINE, Xyz, point_on, turned
+from skolem.traces.scene.shapes import FRAME, OUTLINE, Xyz, point_on
 
 _ORANGE: Final = (255, 140, 0)
 _OPACITY_M, _MOST = 7.0, 200  # of cubes, times their edge, as large ones stand before things; at most
@@ -47,7 +48,7 @@ class Regions:
         support = belief.objects[region.support]
         world_T_support = support.world_T_object
         x, y, top = types[likeliest(support.type)].size_m
-        turn = rr.Quaternion(xyzw=turned(world_T_support[3]))
+        turn = rr.Quaternion(xyzw=quaternion_xyzw(world_T_support[3]))
         outline = rr.Boxes3D(
             half_sizes=[[x / 2.0, y / 2.0, region.height_m / 2.0]],
             centers=[point_on(world_T_support, (0.0, 0.0, top + region.height_m / 2.0))],

@@ -10,8 +10,9 @@ import rerun as rr
 from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 
 from skolem.traces.messages import HANDS, Belief, Hand
+from skolem.traces.messages.poses import quaternion_xyzw
 from skolem.traces.scene.rows import Rows, When
-from skolem.traces.scene.shapes import WORLD, Xyz, Xyzw, placed, product, turned
+from skolem.traces.scene.shapes import WORLD, Xyz, Xyzw, placed, product
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +120,7 @@ def _downwards(tree: rr.urdf.UrdfTree) -> list[rr.urdf.UrdfJoint]:
 def _moved(joint: rr.urdf.UrdfJoint, value: float) -> tuple[Xyz, Xyzw]:
     """Return the child's frame in the parent's at a joint value [m or rad]: offset and quaternion xyzw."""
     roll, pitch, yaw = joint.origin_rpy
-    turn = product(turned(yaw), product(_about((0.0, 1.0, 0.0), pitch), _about((1.0, 0.0, 0.0), roll)))
+    turn = product(quaternion_xyzw(yaw), product(_about((0.0, 1.0, 0.0), pitch), _about((1.0, 0.0, 0.0), roll)))
     if joint.joint_type == "prismatic":
         x, y, z = joint.axis
         return placed(joint.origin_xyz, turn, (value * x, value * y, value * z)), turn

@@ -1,13 +1,13 @@
 """Things drawn in three dimensions: boxes, cylinders and tables where they are, and the colours of words and hues."""
 
 import colorsys
-import math
 from collections.abc import Sequence
 from typing import Final, Literal
 
 import rerun as rr
 
 from skolem.traces.messages import ObjectType, Pose4
+from skolem.traces.messages.poses import quaternion_xyzw
 from skolem.traces.scene.rows import Rows, When
 
 Rgba = tuple[int, int, int, int]
@@ -50,11 +50,6 @@ def colour_word(hsv: Sequence[float]) -> str:
     return next(word for below, word in _HUES if hue <= below)
 
 
-def turned(theta: float) -> Xyzw:
-    """Return the quaternion xyzw of a turn about the vertical."""
-    return 0.0, 0.0, math.sin(theta / 2.0), math.cos(theta / 2.0)
-
-
 def rotated(turn: Xyzw, point: Xyz) -> Xyz:
     """Return a point turned by a quaternion xyzw."""
     qx, qy, qz, qw = turn
@@ -86,7 +81,7 @@ def placed(position: Xyz, turn: Xyzw, point: Xyz) -> Xyz:
 
 def point_on(world_T_object: Pose4, point: Xyz) -> Xyz:
     """Return where a point of an upright object is in the world."""
-    return placed(world_T_object[:3], turned(world_T_object[3]), point)
+    return placed(world_T_object[:3], quaternion_xyzw(world_T_object[3]), point)
 
 
 class Shapes:

@@ -7,8 +7,9 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
 from skolem.traces.messages import ObjectType, TrueObject, TrueState
+from skolem.traces.messages.poses import quaternion_xyzw
 from skolem.traces.scene.rows import Rows, When
-from skolem.traces.scene.shapes import WOOD, Shapes, Xyz, Xyzw, placed, rgba, turned
+from skolem.traces.scene.shapes import WOOD, Shapes, Xyz, Xyzw, placed, rgba
 
 PREFIX = "truth/"
 _SAME_M = 1e-4  # a move below is not drawn
@@ -37,7 +38,7 @@ class Truth:
         for item in message.objects:
             self._objects[item.id] = item
             x, y, z, theta = item.world_T_object
-            self._draw(item.id, when, types, (x, y, z), turned(theta))
+            self._draw(item.id, when, types, (x, y, z), quaternion_xyzw(theta))
 
     def moved(self, message: FrameTransforms, when: When, types: Mapping[str, ObjectType]) -> None:
         """Take in frames of objects in motion."""

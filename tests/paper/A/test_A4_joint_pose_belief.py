@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skolem.estimation.se2 import between, exp
 from skolem.traces.messages import Pose2
-from skolem.traces.messages.poses import nearest_turn
+from skolem.traces.messages.poses import wrap_exactly
 
 A, B = (1.0, -0.2, 0.7, 0.0), (1.0, 0.2, 0.7, 0.0)
 
@@ -63,7 +63,7 @@ def test_a_heading_goes_through_pi_without_a_jump() -> None:
         sds.append(robot.belief.snapshot(0).base_covariance[5])
     heading = robot.belief.snapshot(0).world_T_base[2]
     assert -math.pi <= heading <= math.pi
-    assert nearest_turn(heading - sum(turns)) == pytest.approx(0.0, abs=1e-9)
+    assert wrap_exactly(heading - sum(turns)) == pytest.approx(0.0, abs=1e-9)
     assert np.diff(sds) == pytest.approx([0.02**2] * 4, rel=1e-3)
 
 

@@ -38,17 +38,17 @@ def test_flat_composition_forgets_height_alone() -> None:
 
 
 def test_angles_come_back_in_one_turn() -> None:
-    for wrap in (poses.half_open_turn, poses.nearest_turn):
+    for wrap in (poses.wrap_half_open, poses.wrap_exactly):
         assert wrap(-math.pi) == -math.pi
         assert wrap(7.0) == pytest.approx(7.0 - 2.0 * math.pi)
-    assert poses.half_open_turn(math.pi) == -math.pi
-    assert poses.nearest_turn(math.pi) == math.pi
+    assert poses.wrap_half_open(math.pi) == -math.pi
+    assert poses.wrap_exactly(math.pi) == math.pi
 
 
-def test_the_nearest_turn_rounds_nothing_and_the_half_open_turn_does() -> None:
-    assert poses.nearest_turn(0.1) == 0.1
-    assert poses.half_open_turn(0.1) == pytest.approx(0.1, abs=ROUND_OFF)
-    assert poses.half_open_turn(0.1) != 0.1
+def test_to_wrap_exactly_rounds_nothing_and_to_wrap_half_open_does() -> None:
+    assert poses.wrap_exactly(0.1) == 0.1
+    assert poses.wrap_half_open(0.1) == pytest.approx(0.1, abs=ROUND_OFF)
+    assert poses.wrap_half_open(0.1) != 0.1
 
 
 def test_heading_undoes_a_quaternion_about_z() -> None:

@@ -1,0 +1,9 @@
+"""Options that the verbs `replay` and `reproduce` share: how exactly two runs are compared, and how much is printed."""
+
+from typing import Annotated
+
+import typer
+
+Atol = Annotated[float | None, typer.Option(min=0.0, help="Absolute tolerance of floats, instead of the table's.")]
+Rtol = Annotated[float | None, typer.Option(min=0.0, help="Relative tolerance of floats, instead of the table's.")]
+All = Annotated[bool, typer.Option("--all", help="Print every divergence, not the first alone.")]
