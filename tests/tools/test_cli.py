@@ -203,8 +203,8 @@ def test_show_prints_the_plans_of_a_run_and_what_was_done(
     assert called(monkeypatch, "show", trace) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("goal: exists o.")
-    assert sum(line.startswith("dropped, no longer so: B(den(e1,soda") for line in lines) == 2
-    assert lines[-2].strip() == "(Place(sodaC, table1))"
+    assert sum(line.startswith("plan dropped: P(soda") for line in lines) == 2
+    assert lines[-2].strip() == "done: place sodaC on table1"
 
 
 def test_show_of_something_that_is_no_trace_exits_with_3(
