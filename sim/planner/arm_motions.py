@@ -1,7 +1,7 @@
 """Picks and places: from candidate grasps to complete, collision-free arm motions in the believed world.
 
 A motion is first sketched (inverse kinematics and straight lines, milliseconds) and then joined to the present and the
-carry configuration by planned paths. Candidates come in a fixed order, and the first that works is taken.
+carry configuration by planned paths. Candidates are tried in a fixed order, and the first feasible one is taken.
 """
 
 import math
@@ -29,11 +29,11 @@ Floats = NDArray[np.float64]
 LIFT_M = 0.10
 LINE_STEP_M = 0.02
 PLACE_YAWS = np.linspace(-1.05, 1.05, 7)
-REACH_M = 1.0  # no place further from the base's middle is tried
-PICK_TRIES, PLACE_TRIES = 40, 60  # configurations looked at
+REACH_M = 1.0  # greatest distance of a tried place from the base's middle
+PICK_TRIES, PLACE_TRIES = 40, 60  # configurations tried
 TRIES_PER_YAW, TRIES_PER_SPOT = 8, 3
 JOINED_TRIES = 3  # sketches for which paths are planned
-ROOM_STEP_M = 0.04  # places whose room differs by less are equally good
+ROOM_STEP_M = 0.04  # places whose room differs by less count as equal
 APPROACH_STREAM, CARRY_STREAM = 1, 2
 PATH_BUDGET = 2500  # validity checks per path
 
@@ -58,17 +58,17 @@ class PlaceSketch:
 
 @dataclass(frozen=True, slots=True)
 class Spots:
-    """Where something may be put: places in a table's frame, shape (k, 2), and the room around each, shape (k,)."""
+    """Spots for putting an object down: positions (k, 2) in a table's frame, and the room around each, (k,), metres."""
 
     places: Floats
     room: Floats
 
 
 class ArmPlanner:
-    """Plans arm motions from wherever the robot in `world` stands."""
+    """Plans arm motions from the pose of the robot in `world`."""
 
     def __init__(self, world: BelievedWorld, seed: Callable[[int, int], int]) -> None:
-        """Keep the world, and the function that gives a path's seed from (stream, attempt)."""
+        """Keep the world, and the function from (stream, attempt) to a path's seed."""
         self._world = world
         self._seed = seed
 
@@ -96,7 +96,7 @@ class ArmPlanner:
         return None
 
     def pick_sketches(self, hand: Hand, anchor: str) -> Iterator[PickSketch]:
-        """Yield the feasible ways to grasp and lift a standing object, best first."""
+        """Yield feasible sketches of picking a standing object, best first."""
         item = self._world.standing[anchor]
         base_T_object = self._in_base(item.world_T_object)
         yaws = grasps.approach_yaws(item.type, base_T_object[3])
@@ -109,7 +109,7 @@ class ArmPlanner:
                 yield sketch
 
     def _pick_sketch(self, hand: Hand, item: Standing, choice: grasps.Grasp, at: Floats) -> PickSketch | None:
-        """Return the pick that grasps with this configuration, if all of it is free."""
+        """Return the sketch of a pick that grasps with a configuration; None unless all of it is free."""
         present = self._world.robot.arm(hand)
         try:
             target = frozenset([item.body])
@@ -130,14 +130,14 @@ class ArmPlanner:
             self._world.set_arm(hand, present)
 
     def _table_under(self, item: Standing) -> Standing | None:
-        """Return what the object is believed to stand on, else what lies below it."""
+        """Return the table that is the object's believed support, else the table below it."""
         believed = self._world.standing.get(item.support) if item.support else None
         return believed or self._world.table_below(item)
 
     # ---------------------------------------------------------------- place
 
     def place(self, hand: Hand, support: str, spots: Spots) -> Place | None:
-        """Return the whole placement of what the hand carries on one of a table's spots, or None."""
+        """Return the whole placement of the carried object on one of a table's spots, or None."""
         for attempt, sketch in enumerate(islice(self.place_sketches(hand, support, spots), JOINED_TRIES)):
             approach = self._path(hand, self._world.robot.arm(hand), sketch.lower[0], (APPROACH_STREAM, attempt))
             if approach is None:
@@ -156,7 +156,7 @@ class ArmPlanner:
         return None
 
     def place_sketches(self, hand: Hand, support: str, spots: Spots) -> Iterator[PlaceSketch]:
-        """Yield the feasible ways to put down what the hand carries: most room around it first."""
+        """Yield feasible sketches of placing the carried object, most room first."""
         table, carried = self._world.standing[support], self._world.carried[hand]
         places, room = self._reachable(table, spots)
         targets = [
@@ -171,7 +171,7 @@ class ArmPlanner:
                 yield sketch
 
     def _reachable(self, table: Standing, spots: Spots) -> tuple[Floats, Floats]:
-        """Return the spots that are not out of reach, and the room around each."""
+        """Return the spots within reach, and the room around each."""
         base = compose2(inverse2(flat(table.world_T_object)), self._world.robot.base())
         near = np.hypot(spots.places[:, 0] - base[0], spots.places[:, 1] - base[1]) <= REACH_M
         return spots.places[near], spots.room[near]
@@ -186,7 +186,7 @@ class ArmPlanner:
     def _place_sketch(
         self, hand: Hand, table: Standing, carried: Carried, base_T_tool: Pose4, at: Floats
     ) -> PlaceSketch | None:
-        """Return the placement that releases with this configuration, if all of it is free."""
+        """Return the sketch of a placement that releases with a configuration; None unless all of it is free."""
         present = self._world.robot.arm(hand)
         try:
             if not self._free(hand, [at]):
@@ -217,12 +217,12 @@ class ArmPlanner:
         return reaching(hand, self._torso(), base_T_tool, np.array(self._world.robot.arm(hand)))
 
     def _back(self, hand: Hand, base_T_tool: Pose4, at: Floats, distance: float) -> Floats | None:
-        """Return configurations from near the tool pose straight back against the fingers' direction."""
+        """Return configurations along a straight line from the tool pose back against the fingers' direction."""
         ahead = rotation(base_T_tool[3])[:, 0]
         return self._line(hand, base_T_tool, at, -ahead * distance)
 
     def _up(self, hand: Hand, base_T_tool: Pose4, at: Floats) -> Floats | None:
-        """Return configurations from near the tool pose straight up."""
+        """Return configurations along a straight line from the tool pose up."""
         return self._line(hand, base_T_tool, at, np.array([0.0, 0.0, LIFT_M]))
 
     def _line(self, hand: Hand, base_T_tool: Pose4, at: Floats, along: Floats) -> Floats | None:
@@ -258,7 +258,7 @@ class ArmPlanner:
 
 
 def free_spots(world: BelievedWorld, table: Standing, carried: Carried) -> Spots:
-    """Return where on a table a carried thing finds room, best first."""
+    """Return the spots on a table with room for a carried object, best first."""
     table_T_world = inverse2(flat(table.world_T_object))
     others = [
         (*compose2(table_T_world, flat(item.world_T_object))[:2], grasps.widest_half(item.type) + item.spread_m)
@@ -269,7 +269,7 @@ def free_spots(world: BelievedWorld, table: Standing, carried: Carried) -> Spots
 
 
 def _at_most(count: int, order: NDArray[np.intp], group: NDArray[np.intp]) -> Iterator[int]:
-    """Yield `order` less what comes after the first `count` of each group: no tries are wasted on one hard spot."""
+    """Yield `order` with at most `count` entries of each group, so that no spot uses up all tries."""
     taken: Counter[int] = Counter()
     for k in order:
         taken[int(group[k])] += 1
@@ -278,5 +278,5 @@ def _at_most(count: int, order: NDArray[np.intp], group: NDArray[np.intp]) -> It
 
 
 def waypoints(path: Floats) -> tuple[Joints7, ...]:
-    """Return a path, shape (k, 7), as a message holds it."""
+    """Return a path, shape (k, 7), in the form of a message."""
     return tuple((float(a), float(b), float(c), float(d), float(e), float(f), float(g)) for a, b, c, d, e, f, g in path)

@@ -1,9 +1,9 @@
-"""The believed world as bodies in a physics client of its own: what motions are planned in.
+"""The believed world as bodies in a physics client of its own, in which motions are planned.
 
-Filled from a belief and nothing else. Tables stand at their mean poses; things to grasp too, wider by the spread of
-their pose relative to the robot. Before a moving arm, everything is wider still: tables by their spread, all by a
-margin. What a hand holds moves with it and may touch that hand's gripper only. Nothing is ever stepped here, so an
-answer depends on the configuration asked about and on the belief, not on earlier questions.
+Its only source is the belief. Tables and graspable objects stand at their mean poses; graspable objects are wider by
+the spread of their pose relative to the robot. For a moving arm, everything is wider still: tables by their spread, all
+by a margin. A held object moves with the hand and may touch that hand's gripper only. The physics is never stepped, so
+an answer depends on the configuration and on the belief, not on earlier questions.
 """
 
 import contextlib
@@ -25,20 +25,20 @@ from skolem.traces.messages.poses import Vector3, compose2, flat, inverse2, quat
 
 Floats = NDArray[np.float64]
 
-PENETRATION_M = 1e-4  # contacts shallower than this are touching, not colliding
+PENETRATION_M = 1e-4  # shallower contacts are no collisions
 EXISTS = 0.5  # objects less likely to exist are no obstacles
 SPREAD_LIMIT_M, TABLE_SPREAD_LIMIT_M = 0.05, 0.04
-ARM_MARGIN_M = 0.01  # what a moving arm keeps to the sides of everything but its target
-RESTING_GAP_M = 0.02  # a thing this close above a table stands on it
+ARM_MARGIN_M = 0.01  # distance of a moving arm to the sides of all objects but its target
+RESTING_GAP_M = 0.02  # an object this close above a table stands on it
 NEAREST_RAY_M = 0.3  # the camera sees nothing nearer
 CENTRED = 1e-3  # tangent of the largest angle between the optical axis and the point looked at
-CARRIED_KG = 0.1  # any mass: PyBullet lets two immovable bodies pass through one another
+CARRIED_KG = 0.1  # any mass will do: PyBullet reports no contacts between two immovable bodies
 _GREY = (0.6, 0.6, 0.6, 1.0)
-_AWAY_M, _APART_M = -50.0, 5.0  # where bodies wait that are not believed at the moment
+_AWAY_M, _APART_M = -50.0, 5.0  # height and spacing of parked bodies, which stand for no present belief
 
 
 class BelievedWorld:
-    """The robot and every believed object, posed as believed; asked about other configurations by the planners."""
+    """The robot and all believed objects at their believed poses; planners try other configurations in it."""
 
     def __init__(self, types: Mapping[str, ObjectType]) -> None:
         self._types = types
@@ -65,7 +65,7 @@ class BelievedWorld:
         bodies.disconnect(self.client)
 
     def update(self, belief: Belief) -> None:
-        """Take over a belief; bodies are made for what is new and parked for what is gone."""
+        """Take over a belief; new objects get bodies, and the bodies of missing ones are parked."""
         self._belief = belief
         self._park_all()
         self.standing, self.carried = {}, {}
@@ -92,12 +92,12 @@ class BelievedWorld:
         self._narrow_what_touches()
 
     def _narrow_what_touches(self) -> None:
-        """Give things that the robot would stand in their mere size: it stands there, so they do not."""
+        """Give objects that the robot would intersect their plain size, since both cannot stand there."""
         for anchor in sorted(self.touched()):
             self.standing[anchor] = self._narrow(self.standing[anchor])
 
     def _narrow(self, item: Standing) -> Standing:
-        """Have an object's body take its mere size, and itself its mean place."""
+        """Return an object with a body of its plain size at its mean pose."""
         item = dataclasses.replace(item, own_m=0.0)
         if item.spread_m > 0.0:
             self._park(item.body)
@@ -107,7 +107,7 @@ class BelievedWorld:
 
     @contextlib.contextmanager
     def narrowed(self) -> Iterator[None]:
-        """Have everything take its mere size meanwhile, at its mean pose, also before a moving arm."""
+        """Give all objects their plain size at their mean poses during the context, for moving arms too."""
         wide = self.standing
         self.standing, self._is_narrowed = {anchor: self._narrow(item) for anchor, item in wide.items()}, True
         try:
@@ -120,9 +120,9 @@ class BelievedWorld:
 
     @contextlib.contextmanager
     def wary(self, hand: Hand, target: str | None = None) -> Iterator[None]:
-        """Have things wider by their doubt and a margin meanwhile, for that arm and what it carries.
+        """Widen objects by their doubt and a margin during the context, for one arm and its carried object alone.
 
-        Not so the target, nor what the arm would be in already.
+        The target is not widened, nor are objects that the arm would then intersect already.
         """
         if self._is_narrowed:
             yield
@@ -140,7 +140,7 @@ class BelievedWorld:
             self.standing = plain
 
     def _widened(self, item: Standing, hand: Hand) -> Standing:
-        """Replace an object's body by one that only an arm can touch, wider to the sides."""
+        """Return an object with a body that is wider to the sides and collides with an arm alone."""
         body = self._body(item.anchor, item.type, item.doubt_m + ARM_MARGIN_M, None, hand)
         self._park(item.body)
         bodies.set_pose(self.client, body, item.type, item.world_T_object)
@@ -154,7 +154,7 @@ class BelievedWorld:
 
     @contextlib.contextmanager
     def removed(self, anchors: Collection[str]) -> Iterator[None]:
-        """Have standing things be nowhere meanwhile."""
+        """Ignore standing objects during the context."""
         full = self.standing
         self.standing = {anchor: item for anchor, item in full.items() if anchor not in anchors}
         for anchor in anchors:
@@ -168,7 +168,7 @@ class BelievedWorld:
 
     @contextlib.contextmanager
     def emptied(self, hand: Hand | None) -> Iterator[None]:
-        """Have what a hand carries be nowhere meanwhile."""
+        """Ignore the object in a hand during the context."""
         carried = self.carried.pop(hand) if hand in self.carried else None
         if carried is not None:
             self._park(carried.body)
@@ -180,7 +180,7 @@ class BelievedWorld:
                 self._move_carried(carried.hand)
 
     def reset(self, world_T_base: Pose2 | None = None) -> None:
-        """Put everything where it is believed to be, or the robot elsewhere."""
+        """Put everything at its believed pose; the robot at `world_T_base`, if given."""
         for item in self.standing.values():
             bodies.set_pose(self.client, item.body, item.type, item.world_T_object)
         for hand in HANDS:
@@ -193,7 +193,7 @@ class BelievedWorld:
     def _body(
         self, anchor: str, object_type: ObjectType, wider: float, hand: Hand | None, before: Hand | None = None
     ) -> int:
-        """Return the body of an object, made at its first use: in `hand`, or met by the arm `before` alone."""
+        """Return an object's body, made on first use; it is carried in `hand`, or collides with arm `before` alone."""
         key = (anchor, object_type, wider, hand, before)
         if key not in self._bodies:
             away = (0.0, 0.0, _AWAY_M, 0.0)
@@ -215,14 +215,14 @@ class BelievedWorld:
     # ---------------------------------------------------------------- configurations
 
     def set_arm(self, hand: Hand, joints: Sequence[float] | Floats) -> None:
-        """Put an arm at seven joint values, with what its hand carries."""
+        """Set an arm to seven joint values (rad), and move its carried object."""
         values = [[float(value)] for value in joints]
         p.resetJointStatesMultiDof(self.robot.id, self._arm_indices[hand], values, physicsClientId=self.client)
         if hand in self.carried:
             self._move_carried(hand)
 
     def set_base(self, world_T_base: Sequence[float] | Floats) -> None:
-        """Put the base at a pose, with what the hands carry."""
+        """Put the base at a pose, and move the carried objects."""
         values = [[float(value)] for value in world_T_base]
         p.resetJointStatesMultiDof(self.robot.id, self._base_indices, values, physicsClientId=self.client)
         for hand in self.carried:
@@ -239,10 +239,10 @@ class BelievedWorld:
         p.resetBasePositionAndOrientation(item.body, *at, physicsClientId=self.client)
 
     def free(self, touching: frozenset[int] = frozenset()) -> bool:
-        """Return whether nothing collides as things stand.
+        """Return whether nothing collides in the present configuration.
 
         Args:
-            touching: Bodies that grippers and carried things may touch.
+            touching: Bodies that grippers and carried objects may touch.
         """
         p.performCollisionDetection(physicsClientId=self.client)
         for contact in p.getContactPoints(bodyA=self.robot.id, physicsClientId=self.client):
@@ -255,7 +255,7 @@ class BelievedWorld:
         return True
 
     def touched(self) -> frozenset[str]:
-        """Return the standing things that the robot, or what it carries, collides with."""
+        """Return the standing objects that the robot or a carried object collides with."""
         p.performCollisionDetection(physicsClientId=self.client)
         moving = [self.robot.id, *(item.body for item in self.carried.values())]
         met = {
@@ -270,7 +270,7 @@ class BelievedWorld:
         return any(link in links for links in self._gripper.values())
 
     def clear(self, margin_m: float) -> bool:
-        """Return whether robot and carried things keep a distance to everything that stands somewhere."""
+        """Return whether robot and carried objects keep a distance to all standing objects."""
         moving = [self.robot.id, *(item.body for item in self.carried.values())]
         return not any(
             p.getClosestPoints(body, item.body, margin_m, physicsClientId=self.client)
@@ -279,13 +279,13 @@ class BelievedWorld:
         )
 
     def ground(self) -> tuple[Standing, ...]:
-        """Return what stands on the floor: tables, and things that are on none."""
+        """Return the objects on the floor: tables, and objects that are on no table."""
         return tuple(
             item for item in self.standing.values() if item.type.shape == "table" or self.table_below(item) is None
         )
 
     def table_below(self, item: Standing) -> Standing | None:
-        """Return the table that a thing stands on, by its pose."""
+        """Return the table on which an object stands, by its pose."""
         if item.type.shape == "table":
             return None
         for other in self.standing.values():
@@ -302,7 +302,7 @@ class BelievedWorld:
 
     @contextlib.contextmanager
     def picked(self, hand: Hand, anchor: str, tool_T_object: Pose4) -> Iterator[None]:
-        """Have a standing thing in a hand meanwhile."""
+        """Put a standing object into a hand during the context."""
         item = self.standing.pop(anchor)
         body = self._body(anchor, item.type, 0.0, hand)
         self._park(item.body)
@@ -317,7 +317,7 @@ class BelievedWorld:
 
     @contextlib.contextmanager
     def placed(self, hand: Hand, world_T_object: Pose4) -> Iterator[int]:
-        """Have what a hand carries stand somewhere meanwhile; yields its body."""
+        """Let a carried object stand at a pose during the context; yield its body."""
         carried = self.carried.pop(hand)
         body = self._body(carried.anchor, carried.type, 0.0, None)
         self._park(carried.body)
@@ -331,7 +331,7 @@ class BelievedWorld:
 
     @contextlib.contextmanager
     def stand_in(self, object_type: ObjectType, wider_m: float) -> Iterator[int]:
-        """Have a body of a type meanwhile that stands for nothing believed; yields it, somewhere out of the way."""
+        """Add a body of a type that is no believed object during the context; yield it, parked away from all others."""
         body = self._body("", object_type, wider_m, None)
         try:
             yield body
@@ -339,18 +339,18 @@ class BelievedWorld:
             self._park(body)
 
     def meets(self, body: int) -> bool:
-        """Return whether the robot, or what it carries, touches a body."""
+        """Return whether the robot or a carried object touches a body."""
         moving = [self.robot.id, *(item.body for item in self.carried.values())]
         return any(p.getClosestPoints(part, body, 0.0, physicsClientId=self.client) for part in moving)
 
     def _order(self, returned: str) -> list[str]:
-        """Return the anchors that stand, one more than now, in the belief's order."""
+        """Return the standing anchors and `returned`, in the belief's order."""
         return [a for a in self._belief.anchors if a in self.standing or a == returned]
 
     # ---------------------------------------------------------------- seeing
 
     def look_at(self, point_world: Vector3) -> tuple[float, float] | None:
-        """Turn the head so that the optical axis goes through a point; None, and nothing turned, beyond its limits."""
+        """Turn the optical axis through a point and return pan and tilt; beyond the limits return None, unturned."""
         pan, tilt = self.robot.look_at(point_world)
         before = self.robot.joints(HEAD)
         self.robot.set_joints(dict(zip(HEAD, (pan, tilt), strict=True)))
@@ -366,11 +366,11 @@ class BelievedWorld:
         return self.robot.camera_pose()
 
     def unhidden(self, points_world: Floats) -> NDArray[np.bool_]:
-        """Return which points, shape (n, 3), the camera would see if it looked there: nothing is before them."""
+        """Return the mask, shape (n,), of points (n, 3), world, that nothing hides from the camera."""
         return np.asarray(np.array(self.hits(points_world), dtype=np.int64) == -1)
 
     def hits(self, points_world: Floats) -> list[int]:
-        """Return the first body between the camera and each of points, shape (n, 3); -1 where there is none."""
+        """Return the first body between the camera and each of the points, shape (n, 3); -1 where there is none."""
         if not len(points_world):
             return []
         eye, _ = self.robot.camera_pose()

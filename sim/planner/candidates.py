@@ -1,4 +1,4 @@
-"""Where the base may stand for an activity: what is needed of the places around its object, best first."""
+"""Candidate base poses for an activity, best first."""
 
 import math
 
@@ -17,23 +17,23 @@ from skolem.traces.messages.poses import compose2, flat
 Floats = NDArray[np.float64]
 
 HEIGHT_STEP_M = 0.02  # reach maps are shared by tool heights that round to the same step
-SPOTS, SPOT_APART_M = 12, 0.15  # places on a table for which stances are sought
-ROOM_COST = 3.0  # per m of room that a place has less than enough
+SPOTS, SPOT_APART_M = 12, 0.15  # number and least distance of spots on a table for which stances are sought
+ROOM_COST = 3.0  # per m of room that a spot lacks
 LOOK_DISTANCES, LOOK_BEARINGS = np.array([0.8, 0.95, 1.1, 1.25, 1.4]), np.array([-0.8, -0.4, 0.0, 0.4, 0.8])
 BEST_LOOK_M, LOOK_DISTANCE_COST, LOOK_BEARING_COST = 1.0, 0.5, 0.2
 SURVEY_HEADINGS = 12
 
 
 class Candidates:
-    """Finds base poses in the believed world whose outline is free; nothing else is promised of them."""
+    """Finds base poses in the believed world; only the base's outline is checked for collisions."""
 
     def __init__(self, world: BelievedWorld) -> None:
-        """Keep the world; reach maps are kept as they are made."""
+        """Keep the world; reach maps are made on first use and kept."""
         self._world = world
         self._maps: dict[tuple[Hand, float, int, int], reach.ReachMap] = {}
 
     def around_object(self, activity: Activity, here: Pose2) -> stances.Stances:
-        """Return base poses to look at an object from, or to pick it."""
+        """Return base poses for looking at an object or picking it."""
         item = self._world.standing[activity.anchor]
         below = self._world.table_below(item)
         directions = stances.headings((below or item).world_T_object[3])
@@ -43,7 +43,7 @@ class Candidates:
         return stances.standable(found, cost, self._outlines())
 
     def around_spots(self, table: Standing, hand: Hand, spots: Spots, here: Pose2) -> tuple[stances.Stances, Floats]:
-        """Return base poses for putting something on a table, and the places they are for, in its frame."""
+        """Return base poses for placing an object on a table, and the spots they are for, in the table's frame."""
         places, penalty = _spread_out(spots)
         carried = self._world.carried[hand]
         directions = stances.headings(table.world_T_object[3])
@@ -55,7 +55,7 @@ class Candidates:
         return stances.standable(around, cost, self._outlines()), places
 
     def around_region(self, support: Standing, middle: tuple[float, float], here: Pose2) -> stances.Stances:
-        """Return base poses that face the middle of what is unseen of a region, from all sides of its support."""
+        """Return base poses that face the middle of a region's unseen part, from all sides of its support."""
         offsets = np.stack([LOOK_DISTANCES, np.zeros_like(LOOK_DISTANCES)], axis=1)
         directions = stances.headings(support.world_T_object[3])[:: stances.HEADINGS // SURVEY_HEADINGS]
         quality = np.ones((len(offsets), len(directions)))
@@ -66,7 +66,7 @@ class Candidates:
         return [_footprint(item) for item in self._world.ground()]
 
     def _offsets(self, item: Standing, hand: Hand | None, directions: Floats) -> tuple[Floats, Floats]:
-        """Return where an object may lie in the base frame, (k, 2), and how good that is per heading, (k, h)."""
+        """Return positions of an object in the base frame, (k, 2), and the quality of each per heading, (k, h)."""
         if hand is None:
             offsets, good = _look_offsets()
             return offsets, np.tile(good[:, None], len(directions))
@@ -87,7 +87,7 @@ class Candidates:
 
 
 def _spread_out(spots: Spots) -> tuple[Floats, Floats]:
-    """Return a few places, apart from one another, and the cost of the room they lack."""
+    """Return a few spots that are apart from one another, and the cost of the room that each lacks."""
     chosen: list[int] = []
     for k in range(len(spots.places)):
         if len(chosen) < SPOTS and all(math.dist(spots.places[k], spots.places[j]) >= SPOT_APART_M for j in chosen):
@@ -96,13 +96,13 @@ def _spread_out(spots: Spots) -> tuple[Floats, Floats]:
 
 
 def _footprint(item: Standing) -> stances.Footprint:
-    """Return the rectangle on the floor that an object takes."""
+    """Return the rectangle of an object on the floor."""
     half = item.type.size_m[0] / 2.0 + item.spread_m, item.type.size_m[1] / 2.0 + item.spread_m
     return stances.Footprint(flat(item.world_T_object), half)
 
 
 def _look_offsets() -> tuple[Floats, Floats]:
-    """Return where a thing to look at may lie in the base frame, and how good each offset is."""
+    """Return positions, in the base frame, of an object to look at, and the quality of each."""
     distance, bearing = (a.ravel() for a in np.meshgrid(LOOK_DISTANCES, LOOK_BEARINGS, indexing="ij"))
     offsets = np.stack([distance * np.cos(bearing), distance * np.sin(bearing)], axis=1)
     worse = LOOK_DISTANCE_COST * np.abs(distance - BEST_LOOK_M) + LOOK_BEARING_COST * np.abs(bearing)

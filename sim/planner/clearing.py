@@ -1,6 +1,6 @@
-"""What stands in the way of an activity that can be done from nowhere: all blockers of the way that has the fewest.
+"""Blockers of an activity that cannot be done from any base pose: those of the way with the fewest.
 
-Ways are found with everything movable taken away, on all sides of the object, and then held against what stands there.
+Ways are found on all sides of the object without movable objects, and then checked for collisions with those.
 """
 
 import dataclasses
@@ -19,11 +19,11 @@ from skolem.sim.planner.trials import Trials, is_same
 from skolem.sim.planner.ways import Sweep, Way
 from skolem.traces.messages import Activity, Belief, Pose2
 
-SIDES = 8  # of an object, from which ways to it are sought
-TRIED_PER_SIDE, TAKEN_PER_SIDE = 6, 2  # base poses that are looked at, and from which ways are taken
-SWEEPS_PER_STANCE = 4  # each with another direction of the fingers
+SIDES = 8  # sides of an object on which ways are sought
+TRIED_PER_SIDE, TAKEN_PER_SIDE = 6, 2  # base poses tried, and base poses from which ways are taken
+SWEEPS_PER_STANCE = 4  # each with another yaw of the fingers
 SURVEYS = 4  # base poses to look at a region from
-WHOLE_WAYS = 4  # ways of which also the paths to and from the object are planned, if nothing stands in the rest
+WHOLE_WAYS = 4  # ways whose paths to and from the object are planned too, if nothing blocks the rest
 
 
 class Clearing:
@@ -32,7 +32,7 @@ class Clearing:
     def __init__(
         self, world: BelievedWorld, arms: ArmPlanner, candidates: Candidates, trials: Trials, surveyor: Surveyor
     ) -> None:
-        """Keep the world and those who plan in it."""
+        """Keep the world and its planners."""
         self._world = world
         self._arms = arms
         self._candidates = candidates
@@ -40,7 +40,7 @@ class Clearing:
         self._surveyor = surveyor
 
     def ways(self, activity: Activity, belief: Belief) -> list[Way]:
-        """Return ways that are blocked by movable things alone, with their blockers, the fewest first."""
+        """Return the ways that movable objects alone block, with their blockers, fewest first."""
         movable = tuple(a for a, item in self._world.standing.items() if item.type.graspable and a != activity.anchor)
         with self._world.removed(movable):
             bare = list(self._bare(activity, belief))
@@ -52,7 +52,7 @@ class Clearing:
         return sorted((way for way in found if way.blockers), key=lambda way: len(way.blockers))
 
     def way_from(self, activity: Activity, stance: Pose2) -> Way | None:
-        """Return the way from a base pose, nothing being in it; None if the activity cannot be done from there."""
+        """Return the unblocked way from a base pose; None if the activity cannot be done from there."""
         self._world.reset(stance)
         if activity.kind == "look_region":
             found = self._surveyor.from_here(activity.anchor)
@@ -66,14 +66,14 @@ class Clearing:
         return self._way(activity, stance, None if pick is None else Sweep.of(pick))
 
     def _way(self, activity: Activity, stance: Pose2, sweep: Sweep | None) -> Way:
-        """Return a way with what must be seen of its object from where the robot is put."""
+        """Return a way with the points of its object that must be seen from the robot's present pose."""
         item = self._world.standing[activity.anchor]
         view = sight.towards(self._world, item)
         target = sight.centre(item.type, item.world_T_object)
         return Way(activity.anchor, stance, target, np.empty((0, 3)) if view is None else view.points[0], sweep)
 
     def _bare(self, activity: Activity, belief: Belief) -> Iterator[Way]:
-        """Yield ways with nothing movable in the world."""
+        """Yield ways in a world without movable objects."""
         if activity.kind == "look_region":
             points = self._surveyor.unseen(activity.anchor)
             for stance, found in self._surveyor.stances(activity.anchor)[:SURVEYS]:
@@ -93,7 +93,7 @@ class Clearing:
                     break
 
     def _stances(self, activity: Activity, belief: Belief) -> Iterator[Pose2]:
-        """Yield base poses on all sides from which the object is seen, and put the robot there."""
+        """Put the robot at base poses on all sides of the object, and yield those from which the object is seen."""
         around = self._candidates.around_object(activity, belief.world_T_base)
         x, y = self._world.standing[activity.anchor].world_T_object[:2]
         tried: Counter[int] = Counter()
@@ -126,7 +126,7 @@ class Clearing:
         return dataclasses.replace(way, sweep=Sweep(pick.hand, reach, lift, pick.tool_T_object))
 
     def _blocked(self, way: Way, movable: tuple[str, ...]) -> Way | None:
-        """Return the way with what stands in it; None if even without that it is not seen."""
+        """Return the way with its blockers; None if its object is hidden even without them."""
         self._world.reset(way.world_T_base)
         blockers = set(self._world.touched() & frozenset(movable))
         hidden = self._hiders(way, movable)
@@ -138,7 +138,7 @@ class Clearing:
         return dataclasses.replace(way, blockers=tuple(sorted(blockers)))
 
     def _hiders(self, way: Way, movable: tuple[str, ...]) -> tuple[str, ...] | None:
-        """Return what must go for the way's object, or all of its points of a region, to be seen."""
+        """Return the objects that hide the way's object or points of its region; None if others hide it too."""
         item = self._world.standing.get(way.anchor)
         if item is not None:
             view = sight.towards(self._world, item)

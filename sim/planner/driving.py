@@ -1,4 +1,4 @@
-"""Drives: collision-free paths of the base in the believed world, with the arms and what they carry as they are."""
+"""Drives: collision-free paths of the base in the believed world, with arms and carried objects as they are."""
 
 import math
 from itertools import pairwise
@@ -13,19 +13,19 @@ from skolem.traces.messages.poses import compose2, inverse2
 
 Floats = NDArray[np.float64]
 
-MARGINS_M = (0.10, 0.04, 0.02, 0.0)  # distance kept on the way; less only if there is no way with more
-ROOM_M = 1.5  # how far around everything believed the base may go
-RESOLUTION = 0.07  # m or rad between checked poses: nothing moves farther than the widest margin from a checked one
+MARGINS_M = (0.10, 0.04, 0.02, 0.0)  # distances kept on the path, tried in this order
+ROOM_M = 1.5  # margin around all believed objects in which the base may drive
+RESOLUTION = 0.07  # m or rad between checked poses; between them no part moves farther than the widest margin
 STRIDE = 1.5  # m or rad
-BUDGET = 6000  # validity checks; around a table it takes about 2000
-ESCAPES_M, ESCAPE_DIRECTIONS = (0.04, 0.08, 0.12, 0.16), 12  # steps out of what the robot believes it stands in
-SHARPEST_TURN_RAD = 0.5  # between two waypoints, so that the shorter turn is the one meant
+BUDGET = 6000  # validity checks; a path around a table takes about 2000
+ESCAPES_M, ESCAPE_DIRECTIONS = (0.04, 0.08, 0.12, 0.16), 12  # steps out of a body in which the robot believes to stand
+SHARPEST_TURN_RAD = 0.5  # between two waypoints, so that the shorter turn is the intended one
 
 
 def drive(world: BelievedWorld, start: Pose2, goal: Pose2, seed: int) -> tuple[Pose2, ...] | None:
     """Return base poses in the frame of the start, the start first, along a free path; None if none is found.
 
-    A robot that believes it stands in something, by a few centimetres of doubt, steps out of it first.
+    A robot that believes to stand in an obstacle, by a few centimetres of doubt, steps out of it first.
     """
     world.reset()
     try:
@@ -56,7 +56,7 @@ def _out(world: BelievedWorld, start: Pose2) -> Pose2 | None:
 
 
 def _problem(world: BelievedWorld, start: Pose2, goal: Pose2, margin: float) -> motion.Problem:
-    """Return the space of base poses, free where all of the robot keeps the margin."""
+    """Return the planning problem of base poses; a pose is free if all of the robot keeps the margin."""
 
     def valid(world_T_base: Floats) -> bool:
         world.set_base(world_T_base)
@@ -69,7 +69,7 @@ def _problem(world: BelievedWorld, start: Pose2, goal: Pose2, margin: float) -> 
 
 
 def _from_start(start: Pose2, world_T_waypoint: Floats) -> tuple[Pose2, ...]:
-    """Return waypoints in the frame of the start, close enough in angle; shape (k, 3) in."""
+    """Return world poses, shape (k, 3), as waypoints in the frame of the start with small turns between them."""
     dense = [world_T_waypoint[0]]
     for here, there in pairwise(world_T_waypoint):
         count = max(1, math.ceil(abs(there[2] - here[2]) / SHARPEST_TURN_RAD))

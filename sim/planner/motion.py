@@ -1,8 +1,8 @@
-"""Collision-free paths by OMPL's RRT-Connect, the same every time.
+"""Collision-free paths by OMPL's RRT-Connect, reproducible.
 
-A path is a function of (problem, seed) and nothing else: OMPL's generators are reseeded before each plan and every OMPL
-object of a plan is made after that; work is bounded by counting validity checks, never by a clock. A straight segment
-that is free needs no planner. Not finding a path within the budget is an ordinary answer.
+A path is a function of (problem, seed) alone: OMPL's generators are reseeded before each plan, and every OMPL object of
+a plan is made after that. Work is bounded by counting validity checks, never by a clock. A free straight segment needs
+no planner. The result None, no path within the budget, is no error.
 """
 
 import math
@@ -21,13 +21,13 @@ SHORTCUT_STEPS, SHORTCUT_EMPTY_STEPS = 60, 30
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A space to move in.
+    """A motion planning problem.
 
     Attributes:
         lower: Lower bounds, shape (n,), rad or m.
         upper: Upper bounds, shape (n,).
         wraps: Which coordinates are angles without limits, shape (n,); their bounds are ignored.
-        valid: Whether a configuration, shape (n,), is free of collision.
+        valid: Returns whether a configuration, shape (n,), is free of collision.
         resolution: Largest step between two configurations checked on an edge.
         stride: Longest edge that the trees grow, in rad or m.
         budget: Validity checks after which the planner gives up.
@@ -43,12 +43,12 @@ class Problem:
 
 
 def seed_of(seed: int, version: int, *stream: int) -> int:
-    """Return an OMPL seed (31 bits, not 0) from the run's seed, the belief's version and the purpose."""
+    """Return an OMPL seed (31 bits, not 0) from the run's seed, the belief's version and the stream."""
     return int(np.random.SeedSequence([seed, version, *stream]).generate_state(1)[0] & 0x7FFFFFFF) + 1
 
 
 def plan(problem: Problem, start: Floats, goal: Floats, seed: int) -> Floats | None:
-    """Return a path from start to goal, shape (k, n) with both ends included, or None if none was found in budget.
+    """Return a path from start to goal, shape (k, n), both ends included; None if none was found within the budget.
 
     Angles without limits take the shorter turn and run on from `start` without jumps.
     """
@@ -67,7 +67,7 @@ def straight_is_free(problem: Problem, start: Floats, goal: Floats) -> bool:
 
 
 def _bisecting(count: int) -> list[int]:
-    """Return 1..count-1, coarse first: a collision in the middle is found early."""
+    """Return 1..count-1, coarse first, so that a collision in the middle is found early."""
     out: list[int] = []
     gaps = [(0, count)]
     while gaps:
@@ -89,7 +89,7 @@ def _shortest_turn(wraps: tuple[bool, ...], start: Floats, goal: Floats) -> Floa
 
 def _rrt_connect(problem: Problem, start: Floats, goal: Floats, seed: int) -> Floats | None:
     """Return a shortcut path by RRT-Connect; every OMPL object is made here, after the reseed."""
-    ou.setLogLevel(ou.LOG_NONE)  # a reseed after the first is reported as an error, yet does what is wanted
+    ou.setLogLevel(ou.LOG_NONE)  # OMPL reports a second reseed as an error, but carries it out
     ou.RNG.setSeed(seed)
     used = 0
 

@@ -1,9 +1,9 @@
-"""The geometry that the reasoner consults, answered by planning motions in the believed world.
+"""The reasoner's geometry, answered by planning motions in the believed world.
 
 An answer is a function of (belief, question, run seed): the believed world is built from the belief alone, candidates
-are tried in a fixed order, and every path's seed comes from the run's seed, the belief's version and its purpose.
-Answers are kept until the belief changes. What cannot be done with things as wide as the doubt about their place is
-tried once more with things as they are on average: the alternative would be to give up.
+are tried in a fixed order, and every path's seed comes from the run's seed, the belief's version and its stream.
+Answers are kept until the belief changes. If an activity is impossible with objects widened by their doubt, it is tried
+again with objects of plain size at their mean poses, since the alternative would be to give up.
 """
 
 import contextlib
@@ -26,14 +26,14 @@ from skolem.traces.messages import HANDS, Activity, Belief, Command, Hand, MoveB
 from skolem.traces.messages.poses import compose2, compose4
 
 BASE_STREAM = 3
-SURVEYS_DRIVEN = 8  # stances to look at a region from to which a drive is sought
-WAYS_TRIED = 3  # ways that are tried with what blocks them taken away
+SURVEYS_DRIVEN = 8  # stances for a look at a region to which a drive is sought
+WAYS_TRIED = 3  # ways that are tried without their blockers
 NARROWED = ("look", "pick", "place")
 CLEARABLE = ("look", "look_region", "pick")
 
 
 class PlanningWorld:
-    """Answers what can be done from here, where to go to do it, and what to take out of the way before.
+    """Answers whether an activity can be done from here, from where it can be done, and what blocks it.
 
     Attributes:
         robot_sha256: Identity of the robot model.
@@ -59,11 +59,11 @@ class PlanningWorld:
         self._ways: dict[Question, Way | None] = {}
 
     def close(self) -> None:
-        """Close the physics client; no question can be asked afterwards."""
+        """Close the physics client; later questions fail."""
         self._world.close()
 
     def sync(self, belief: Belief) -> None:
-        """Take over a belief; answers about an equal one are kept."""
+        """Take over a belief; if it equals the last one, answers are kept."""
         if belief != self._belief:
             self._belief = belief
             self._answers, self._ways = {}, {}
@@ -71,23 +71,24 @@ class PlanningWorld:
             self._surveyor.update(belief)
 
     def ready(self, activity: Activity) -> Command | None:
-        """Return the command that does the activity from where the robot is believed to stand, or None."""
+        """Return the command that does the activity from the believed pose of the robot, or None."""
         if activity.kind == "look":
             look = self._kept("ready", activity, self._ready) or self._doubtful_look(activity)
             return None if activity.elsewhere and self.approach(activity) is not None else look
         return self._kept("ready", activity, self._ready) or self._kept("ready", activity, self._ready, narrow=True)
 
     def approach(self, activity: Activity) -> MoveBase | None:
-        """Return a drive to where the activity can be done, and its object or place be seen, or None."""
+        """Return a drive to where the activity can be done and its object or spot can be seen, or None."""
         answer = self._kept("approach", activity, self._approach)
         answer = answer or self._kept("approach", activity, self._approach, narrow=True)
         assert answer is None or isinstance(answer, MoveBase)
         return answer
 
     def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return the movable things that block one way of doing the activity, all of them, sorted.
+        """Return all movable objects that block one way of doing the activity, sorted.
 
-        Empty if it can be done, and if it cannot be done whatever is taken away. The hand counts as empty.
+        The result is empty if the activity can be done, and if it is impossible even without them. The hand counts as
+        empty.
         """
         if activity.kind not in CLEARABLE:
             return ()
@@ -100,9 +101,9 @@ class PlanningWorld:
     # ---------------------------------------------------------------- memory and doubt
 
     def _doubtful_look(self, activity: Activity) -> Command | None:
-        """Return the look that shows the object if it is where it is on average; None if another stance is surer.
+        """Return the look that shows the object at its mean pose; None if another stance is surer.
 
-        None counts as surer while the object is to be grasped from here, if that too takes things to be so.
+        No stance counts as surer if the object can be picked from here, but from nowhere with widened objects.
         """
         look = self._kept("ready", activity, self._ready, narrow=True)
         if look is None or self._kept("approach", activity, self._approach) is None:
@@ -110,14 +111,14 @@ class PlanningWorld:
         return look if any(self._is_grasped_in_doubt(activity.anchor, hand) for hand in HANDS) else None
 
     def _is_grasped_in_doubt(self, anchor: str, hand: Hand) -> bool:
-        """Return whether an object can be picked from here, and from nowhere with things as wide as their doubt."""
+        """Return whether an object can be picked from here, but from nowhere with objects widened by their doubt."""
         pick = Activity("pick", anchor, hand)
         return self.ready(pick) is not None and self._kept("approach", pick, self._approach) is None
 
     def _kept(
         self, question: str, activity: Activity, answer: Callable[[Task | None], Command | None], narrow: bool = False
     ) -> Command | None:
-        """Return an answer, made at the first time with everything as wide as its doubt, or as narrow as it is."""
+        """Return a kept answer, computed on first use; objects are widened by their doubt unless `narrow`."""
         if narrow and activity.kind not in NARROWED:
             return None
         key = self._key(f"{question} narrow" if narrow else question, activity)
@@ -135,7 +136,7 @@ class PlanningWorld:
         return self._ways[key]
 
     def _key(self, question: str, activity: Activity) -> Question:
-        """Return what an answer depends on besides the belief: a hand may be taken for empty."""
+        """Return the key of an answer; it has the full hands, since a hand may be taken for empty."""
         full = (hand for hand in HANDS if hand in self._world.carried)
         return (question, *key_of(activity), *full)
 
@@ -150,7 +151,7 @@ class PlanningWorld:
     # ---------------------------------------------------------------- from here, and from elsewhere
 
     def _task(self, activity: Activity, clear_of: Way | None) -> Task | None:
-        """Return the activity with the spots it may choose among; None if it makes no sense as things are."""
+        """Return the activity with the spots that it may use; None if it is impossible with the present hands."""
         if activity.kind == "look_region":
             return Task(activity) if activity.anchor in self._believed.regions else None
         if not self._trials.possible(activity):
@@ -176,7 +177,7 @@ class PlanningWorld:
         return self._trials.here(task)
 
     def _approach(self, task: Task | None) -> MoveBase | None:
-        """Return the drive to the first stance that serves."""
+        """Return the drive to the first stance that serves and can be reached; None if there is none."""
         if task is None:
             return None
         if task.activity.kind == "weigh":
@@ -195,7 +196,7 @@ class PlanningWorld:
     # ---------------------------------------------------------------- ways
 
     def _cleared(self, activity: Activity) -> Way | None:
-        """Return the way with the fewest blockers, without which the activity can be done."""
+        """Return the way with the fewest blockers without which the activity can be done; None if there is none."""
         self._world.reset()
         if self._task(activity, None) is None:
             return None
@@ -207,7 +208,7 @@ class PlanningWorld:
         return None
 
     def _way_to_keep(self, activity: Activity) -> Way | None:
-        """Return the way by which something will be done later, once what is now in the hand is put down."""
+        """Return the way of an activity that will be done later, once the held object is put down."""
         with self._world.emptied(activity.hand):
             return self._kept_way("kept", activity, self._free_or_cleared)
 

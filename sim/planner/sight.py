@@ -1,4 +1,4 @@
-"""Whether the robot, from where it stands, can turn its camera to something and see it."""
+"""Sight: whether the robot can turn its camera to an object and see it from its present pose."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -15,24 +15,24 @@ from skolem.traces.messages.poses import Vector3, compose4
 
 Floats = NDArray[np.float64]
 
-NEAREST_M, FARTHEST_M = 0.5, 2.0  # from the camera: nearer the depth is blind, farther its noise is too great
-THING_SHARE, TABLE_SHARE = 0.6, 0.5  # of the sampled points; what stands on a table hides some of it
-_ACROSS, _UP = (-0.8, 0.0, 0.8), (0.2, 0.5, 0.85)  # where on the near side, in half widths and in heights
-_OVER = (-0.35, 0.0, 0.35)  # where on a table, in widths
-_PATCH_M = 0.05  # half the width of the piece of a table that is to be seen before something is put there
+NEAREST_M, FARTHEST_M = 0.5, 2.0  # from the camera: nearer there are no readings, farther their noise is too great
+THING_SHARE, TABLE_SHARE = 0.6, 0.5  # least seen share of the sampled points; objects on a table hide some of it
+_ACROSS, _UP = (-0.8, 0.0, 0.8), (0.2, 0.5, 0.85)  # sample points on the near side, in half widths and in heights
+_OVER = (-0.35, 0.0, 0.35)  # sample points on a table, in widths
+_PATCH_M = 0.05  # half the width of the patch of a table that must be seen before an object is put there
 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """What the camera was turned to.
+    """A view: the camera's target and the points that must be seen.
 
     Attributes:
         head: Pan and tilt.
         target: The point in the middle of the image.
-        points: What should be seen, shape (g, n, 3): of the object at each of the places where it may be.
-        bodies: Those that may be before them: their own, and what is believed to be in it, as a look shows which of the
-            two is elsewhere.
-        share: Of the n points, how many must be seen, wherever it is.
+        points: Points of the object at each of its g possible places, shape (g, n, 3), metres, world.
+        bodies: Bodies that do not hide them: the object's own, and those believed to intersect it, since a look shows
+            which of the two is elsewhere.
+        share: Share of the n points that must be seen at every place.
     """
 
     head: tuple[float, float]
@@ -42,18 +42,18 @@ class View:
     share: float
 
     def is_seen(self, hits: Sequence[int]) -> bool:
-        """Return whether enough of the points is seen, given the first body on the way to each."""
+        """Return whether enough of the points are seen, given the first body before each."""
         free = np.array([hit == -1 or hit in self.bodies for hit in hits]).reshape(self.points.shape[:2])
         return bool(free.mean(axis=1).min() >= self.share)
 
 
 def look(world: BelievedWorld, item: Standing) -> tuple[float, float] | None:
-    """Turn the head to a standing object and return pan and tilt; None if it is too near, too far, or hidden."""
+    """Turn the head to a standing object and return pan and tilt; None if it is too near, too far or hidden."""
     return _seen(world, towards(world, item))
 
 
 def look_at_spot(world: BelievedWorld, table: Standing, spot: tuple[float, float]) -> tuple[float, float] | None:
-    """Turn the head to a place on a table (its frame) and return pan and tilt; None if it cannot be seen."""
+    """Turn the head to a spot on a table (table frame) and return pan and tilt; None if it cannot be seen."""
     top = table.type.size_m[2]
     target = compose4(table.world_T_object, (*spot, top, 0.0))[:3]
     offsets = [(dx, dy) for dx in (-_PATCH_M, 0.0, _PATCH_M) for dy in (-_PATCH_M, 0.0, _PATCH_M)]
@@ -62,7 +62,7 @@ def look_at_spot(world: BelievedWorld, table: Standing, spot: tuple[float, float
 
 
 def towards(world: BelievedWorld, item: Standing) -> View | None:
-    """Turn the head to a standing object, hidden or not; None if it is out of range or of the neck's reach."""
+    """Turn the head to a standing object, hidden or not, and return the view; None if it is out of range."""
     target = centre(item.type, item.world_T_object)
     is_table = item.type.shape == "table"
     eye = world.robot.camera_pose()[0]
@@ -72,9 +72,9 @@ def towards(world: BelievedWorld, item: Standing) -> View | None:
 
 
 def hiders(world: BelievedWorld, view: View, movable: Collection[str]) -> tuple[str, ...] | None:
-    """Return which movable things to take away for a view to be seen, what hides most first; None if none helps.
+    """Return the movable objects that hide a view, the one that hides most first; None if others hide it too.
 
-    The head must be turned as the view says. What stands behind something taken away may hide the view in its turn.
+    The head must be turned as the view says. An object behind a removed one may hide the view too.
     """
     gone: tuple[str, ...] = ()
     while True:
@@ -91,14 +91,14 @@ def hiders(world: BelievedWorld, view: View, movable: Collection[str]) -> tuple[
 
 
 def centre(object_type: ObjectType, world_T_object: Pose4) -> Vector3:
-    """Return the point to look at: the middle of a thing, the top of a table."""
+    """Return the point to look at: the top of a table, the middle of any other object."""
     x, y, z, _ = world_T_object
     height = object_type.size_m[2]
     return (x, y, z + (height if object_type.shape == "table" else height / 2.0))
 
 
 def _is_in(other: Standing, item: Standing) -> bool:
-    """Return whether something is an object itself, or a thing believed to be in it."""
+    """Return whether `other` is the item itself or is believed to intersect it."""
     is_thing = other.type.shape != "table"
     return other is item or (is_thing and collide(other.type, other.world_T_object, item.type, item.world_T_object))
 
@@ -117,9 +117,9 @@ def _turn(world: BelievedWorld, target: Vector3, points: Floats, bodies: frozens
 
 
 def _near_side(item: Standing, eye: Floats) -> Floats:
-    """Return points in the plane through a thing's axis that faces the eye, within its outline, shape (g, 9, 3).
+    """Return points in the plane through an object's axis that faces the eye, within its outline, shape (g, 9, 3).
 
-    If its place is in doubt, so often: where it is on average and to both sides of that.
+    If its place is in doubt, there is one set at the mean place and one on each side of it.
     """
     x, y, z, _ = item.world_T_object
     bearing = math.atan2(eye[1] - y, eye[0] - x)

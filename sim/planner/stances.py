@@ -1,6 +1,6 @@
-"""Base poses from which something can be done: a fixed grid around the target, sorted by preference.
+"""Stances: base poses on a fixed grid around a target, sorted by cost.
 
-A stance puts the target at one of several offsets in the base frame, each with a quality, under one of many headings.
+A stance has the target at one of several offsets in the base frame, each with a quality, and one of many headings.
 """
 
 import math
@@ -16,8 +16,8 @@ Ints = NDArray[np.intp]
 
 BASE_HALF_M = 0.335  # half the side of the base's outline
 OUTLINE = np.linspace(-BASE_HALF_M, BASE_HALF_M, 5)
-CLEARANCE_M = 0.06  # least distance of the base from what stands on the floor: odometry errs by 3 to 5 cm
-AMPLE_M, TIGHT_COST = 0.12, 4.0  # a base nearer than this costs so much per m
+CLEARANCE_M = 0.06  # least distance of the base from objects on the floor: odometry errs by 3 to 5 cm
+AMPLE_M, TIGHT_COST = 0.12, 4.0  # cost per m of distance below AMPLE_M
 HEADINGS = 24
 LEAST_QUALITY = 0.3
 DRIVE_COST, TURN_COST = 0.15, 0.05  # per m and per rad, against a quality of 1
@@ -37,7 +37,7 @@ class Stances:
 
     Attributes:
         world_T_base: Shape (k, 3).
-        target: Shape (k,), which of the targets each is for.
+        target: Index of each stance's target, shape (k,).
     """
 
     world_T_base: Floats
@@ -45,7 +45,7 @@ class Stances:
 
 
 def headings(theta: float) -> Floats:
-    """Return directions of the base, among them the four that face a table's edges squarely."""
+    """Return headings of the base, among them the four that face a table's edges squarely."""
     return np.asarray(theta + np.arange(HEADINGS) * (2.0 * math.pi / HEADINGS))
 
 
@@ -56,11 +56,11 @@ def around(
 
     Args:
         targets: Shape (t, 2), in the world.
-        penalty: Shape (t,), cost of preferring each target.
+        penalty: Shape (t,), cost of each target.
         offsets: Shape (o, 2), of the target in the base frame.
         quality: Shape (o, h), 0..1; combinations below `LEAST_QUALITY` are left out.
         directions: Shape (h,), headings of the base.
-        present: Where the base is.
+        present: Present pose of the base.
     """
     t, o, h = (a.ravel() for a in np.indices((len(targets), len(offsets), len(directions))))
     good = quality[o, h] >= LEAST_QUALITY
@@ -75,7 +75,7 @@ def around(
 
 
 def standable(stances: Stances, cost: Floats, obstacles: list[Footprint], clearance_m: float = CLEARANCE_M) -> Stances:
-    """Return the stances whose base keeps clear of all obstacles, by rising cost, dearer where it is tight."""
+    """Return the stances whose base keeps clear of all obstacles, by rising cost; narrow spaces cost more."""
     room = np.full(len(cost), AMPLE_M)
     for obstacle in obstacles:
         room = np.minimum(room, clearance(stances.world_T_base, obstacle))

@@ -1,4 +1,4 @@
-"""Believed objects as the planner has them: standing somewhere, or carried."""
+"""Believed objects of the planner: standing ones and carried ones."""
 
 from dataclasses import dataclass
 
@@ -13,11 +13,11 @@ class Standing:
         anchor: Its name.
         type: Its most likely type.
         world_T_object: Mean pose.
-        spread_m: How much wider its body is on every side.
-        doubt_m: How much wider it is before a moving arm, the margin not counted; tables too.
-        own_m: How far beside its place among the other things it may be.
-        body: In the physics client.
-        support: Anchor of what it stands on, if known.
+        spread_m: Widening of its body on every side.
+        doubt_m: Widening for a moving arm, without the margin; tables too.
+        own_m: Greatest distance from its place among the other objects.
+        body: Body in the physics client.
+        support: Anchor of its support, if known.
     """
 
     anchor: str

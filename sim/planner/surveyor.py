@@ -1,4 +1,4 @@
-"""Where to look at a region from: here, if that shows a good part of what is unseen, else from where most is shown."""
+"""Stances for looking at a region: here, if a look shows enough of the unseen part, else where it shows most."""
 
 import math
 
@@ -12,15 +12,15 @@ from skolem.sim.space import surveys
 from skolem.sim.space.surveys import Survey
 from skolem.traces.messages import Belief, LookAt, Pose2
 
-ELSEWHERE_M = 0.5  # when what a look should have shown did not appear, the next is from at least so far away
-METRE_COST = 0.02  # share that is given up to drive a metre less
+ELSEWHERE_M = 0.5  # after a look that showed nothing new, least distance to the next stance
+METRE_COST = 0.02  # shown share that a metre of driving costs
 
 
 class Surveyor:
     """Compares stances around the support of a region; its comparisons are kept until the belief changes."""
 
     def __init__(self, world: BelievedWorld, candidates: Candidates) -> None:
-        """Keep the world and what knows its stances."""
+        """Keep the world and the source of its stances."""
         self._world = world
         self._candidates = candidates
         self._compared: dict[tuple[str, ...], list[tuple[Pose2, Survey]]] = {}
@@ -31,7 +31,7 @@ class Surveyor:
         self._compared = {}
 
     def unseen(self, region: str) -> NDArray[np.float64]:
-        """Return points of what is unseen of a region, shape (n, 3), world; none if there is no such region."""
+        """Return the unseen points of a region, shape (n, 3), metres, world; empty if there is no such region."""
         believed = self._belief.regions.get(region)
         support = None if believed is None else self._world.standing.get(believed.support)
         if believed is None or support is None:
@@ -39,7 +39,7 @@ class Surveyor:
         return surveys.unseen_points(believed, support.world_T_object, support.type.size_m[2])
 
     def look(self, region: str) -> LookAt | None:
-        """Return the look at a region from where the robot is believed to stand, or None if it must go elsewhere."""
+        """Return the look at a region from the believed pose of the robot; None if it must go elsewhere."""
         self._world.reset()
         here = self.from_here(region)
         if here is None or surveys.was_taken(here, self._belief.robot.head):
@@ -49,11 +49,11 @@ class Surveyor:
         return LookAt(pan=here.head[0], tilt=here.head[1])
 
     def from_here(self, region: str) -> Survey | None:
-        """Return the best look at a region from where the robot is put, however little it shows."""
+        """Return the best look at a region from the robot's present pose, however little it shows."""
         return surveys.survey(self._world, self.unseen(region))
 
     def stances(self, region: str) -> list[tuple[Pose2, Survey]]:
-        """Return base poses that show something of a region and what they show, the most first."""
+        """Return base poses that show a part of a region, each with its survey, best first."""
         key = (region, *self._world.standing)
         if key not in self._compared:
             points, here = self.unseen(region), self._belief.world_T_base

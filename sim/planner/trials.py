@@ -1,6 +1,6 @@
-"""What can be done from a base pose, tried in the believed world, and which base poses serve.
+"""Trials of activities from base poses in the believed world.
 
-Cheap tests come first and whole motions last; how many are tried of each is counted, never timed.
+Cheap tests come first and whole motions last; each kind has a limit by count, never by time.
 """
 
 import math
@@ -21,31 +21,31 @@ from skolem.traces.messages.poses import wrap_half_open
 
 Floats = NDArray[np.float64]
 
-STANCE_MARGIN_M = 0.04  # distance that all of the robot keeps to everything where it stops
-CHECKED_STANCES, SKETCHED_STANCES, JOINED_STANCES = 80, 16, 4  # how many are tried, by rising effort
+STANCE_MARGIN_M = 0.04  # least distance of the robot to all objects where it stops
+CHECKED_STANCES, SKETCHED_STANCES, JOINED_STANCES = 80, 16, 4  # numbers of stances tried, by rising effort
 SAME_M, SAME_RAD = 0.08, 0.2  # stances nearer than this to one that failed are skipped
-SAME_VIEW_M = 0.15  # ... and however turned, if what is looked at was hidden
+SAME_VIEW_M = 0.15  # ... whatever their heading, if the object was hidden
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """An activity, and the spots among which it may choose if something is put down."""
+    """An activity, with the possible spots if it is a place."""
 
     activity: Activity
     spots: Spots | None = None
 
 
 class Trials:
-    """Tries activities, with the robot of the believed world put wherever it takes."""
+    """Tries activities with the robot at any pose of the believed world."""
 
     def __init__(self, world: BelievedWorld, arms: ArmPlanner, candidates: Candidates) -> None:
-        """Keep the world and those who plan in it."""
+        """Keep the world and its planners."""
         self._world = world
         self._arms = arms
         self._candidates = candidates
 
     def possible(self, activity: Activity) -> bool:
-        """Return whether hands and objects are such that the activity makes sense anywhere."""
+        """Return whether the present hands and objects allow the activity at all."""
         world, hand = self._world, activity.hand
         if activity.kind == "look":
             return activity.anchor in world.standing
@@ -63,7 +63,7 @@ class Trials:
         return activity.kind == "weigh" and hand == SENSING_HAND
 
     def here(self, task: Task) -> Command | None:
-        """Return the command from where the robot is put, or None; the activity must be possible."""
+        """Return the command from the robot's present pose, or None; the activity must be possible."""
         activity, hand = task.activity, task.activity.hand
         if hand is None:
             turned = sight.look(self._world, self._world.standing[activity.anchor])
@@ -76,12 +76,12 @@ class Trials:
         return Weigh(hand=hand)
 
     def pick(self, hand: Hand, anchor: str) -> Pick | None:
-        """Return the whole pick of a standing object from where the robot is put, or None."""
+        """Return the whole pick of a standing object from the robot's present pose, or None."""
         with self._world.wary(hand, anchor):
             return self._arms.pick(hand, anchor)
 
     def serving(self, task: Task, belief: Belief) -> Iterator[Pose2]:
-        """Yield the base poses from which an activity can be done, and its object or spot be seen, best first."""
+        """Yield the base poses from which an activity can be done and its object or spot is seen, best first."""
         activity = task.activity
         looks = activity.hand is None
         candidates, places = self._around(task, belief.world_T_base)
@@ -115,12 +115,12 @@ class Trials:
                 failed.append(stance)
 
     def _is_asked_for(self, stance: Pose2, activity: Activity, belief: Belief) -> bool:
-        """Return whether a stance is on another side of the object, if it was looked at from here in vain."""
+        """Return whether a stance is allowed: after a look in vain it must be on another side of the object."""
         at = self._world.standing[activity.anchor].world_T_object if activity.elsewhere else None
         return at is None or is_other_side(stance, belief.world_T_base, at)
 
     def stands(self, stance: Pose2) -> bool:
-        """Put the robot somewhere and return whether it keeps its distance there."""
+        """Put the robot at a stance and return whether it keeps its distance there."""
         self._world.reset(stance)
         return self._world.free() and self._world.clear(STANCE_MARGIN_M)
 
@@ -132,14 +132,14 @@ class Trials:
         return self._candidates.around_spots(table, activity.hand, task.spots, here)
 
     def _sees(self, task: Task, place: Floats) -> bool:
-        """Return whether the object, or the place for it in the table's frame, is seen from where the robot is put."""
+        """Return whether the object, or the spot for it in the table's frame, is seen from the robot's present pose."""
         if task.activity.support is not None:
             spot = (float(place[0]), float(place[1]))
             return sight.look_at_spot(self._world, self._world.standing[task.activity.support], spot) is not None
         return sight.look(self._world, self._world.standing[task.activity.anchor]) is not None
 
     def _sketch(self, task: Task) -> bool:
-        """Return whether the arm can do its part near the object, not yet how it gets there."""
+        """Return whether the arm motion near the object is feasible; paths to and from it are not planned."""
         activity, hand = task.activity, task.activity.hand
         assert hand is not None
         if task.spots is not None and activity.support is not None:
@@ -150,6 +150,6 @@ class Trials:
 
 
 def is_same(a: Pose2, b: Pose2) -> bool:
-    """Return whether two base poses are so near that what fails at one will fail at the other."""
+    """Return whether two base poses are so near that a failure at one implies a failure at the other."""
     turn = abs(wrap_half_open(a[2] - b[2]))
     return math.dist(a[:2], b[:2]) < SAME_M and turn < SAME_RAD

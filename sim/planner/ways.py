@@ -1,4 +1,4 @@
-"""Ways of doing something: what they sweep, what stands in them, and where they leave room for a thing."""
+"""Ways of doing an activity: their sweeps, their blockers, and the places where they leave room for an object."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ from skolem.traces.messages.poses import Vector3
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-ROOM_M = 0.03  # around a thing that is put down beside a way: it lands a little beside its place
-BESIDE_M = 0.6  # nothing further than this from the line between base and target can be in a way
+ROOM_M = 0.03  # around an object that is put down beside a way, since it lands a little beside its place
+BESIDE_M = 0.6  # no object further than this from the line between base and target can block a way
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,12 +40,12 @@ class Way:
     """One way of doing an activity.
 
     Attributes:
-        anchor: What it is about.
-        world_T_base: Where the robot stands.
-        target: What the camera is turned to.
-        points: What has to be seen, shape (n, 3), world.
-        sweep: How the arm moves; None for a look.
-        blockers: What stands in it, sorted.
+        anchor: The object or region of the activity.
+        world_T_base: Pose of the base.
+        target: Point to which the camera is turned, world.
+        points: Points that must be seen, shape (n, 3), metres, world.
+        sweep: Motion of the arm; None for a look.
+        blockers: Anchors of the objects that block it, sorted.
     """
 
     anchor: str
@@ -57,7 +57,7 @@ class Way:
 
 
 def touched(world: BelievedWorld, anchor: str, sweep: Sweep) -> frozenset[str]:
-    """Return the things to grasp, but for the target, that an arm touches on its way from where the robot is put."""
+    """Return the graspable objects, except the target, that the arm touches in a sweep from the present pose."""
     met: set[str] = set()
     present = world.robot.arm(sweep.hand)
     for joints in sweep.reach:
@@ -72,13 +72,13 @@ def touched(world: BelievedWorld, anchor: str, sweep: Sweep) -> frozenset[str]:
 
 
 def leaves_room(world: BelievedWorld, way: Way, carried: Carried, places: Floats) -> Mask:
-    """Return at which places a thing would not stand in a way, shape (k,).
+    """Return the mask, shape (k,), of places where an object would not block a way.
 
     Args:
-        world: With the robot anywhere; it is put where the way begins.
-        way: What is to stay free.
-        carried: What is put down; it counts as a cylinder, a little wider than it is.
-        places: Shape (k, 3), world, the middle of its base face.
+        world: The believed world; its robot is put at the base pose of the way.
+        way: The way that must stay free.
+        carried: The object to put down; it counts as a cylinder, a little wider than it is.
+        places: Positions of the middle of its base face, shape (k, 3), metres, world.
     """
     free = np.ones(len(places), dtype=bool)
     near = np.flatnonzero(_distance(places[:, :2], way) <= BESIDE_M)

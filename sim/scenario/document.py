@@ -41,7 +41,7 @@ class Document:
         file: The given name of the file.
         text: Its text.
         values: Its values in plain dictionaries, lists, strings, numbers and None, with the overrides applied.
-        rules: Paths of the extra rule files that it names, relative to its folder.
+        rules: Paths of the extra rule files that it names.
         overrides: The flags that changed `values`, with the address each of them set.
     """
 

@@ -1,6 +1,6 @@
-"""Where the hands of the symbolic robot are: the PR2's arms without its meshes.
+"""Kinematics of the symbolic robot's arms: the PR2's arms without meshes.
 
-Joint angles mean what they mean on the real model, so that whoever computes a hand's place from them gets it right.
+Joint angles have the same meaning as on the full model, so that the hand's pose can be computed from them.
 """
 
 import math
@@ -16,7 +16,7 @@ PANS = 24
 
 
 def base_T_tool(hand: Hand, torso: float, joints: Joints7) -> Pose4:
-    """Return the tool frame in base_footprint by its origin and the heading of its x axis."""
+    """Return the tool frame in base_footprint: its origin and the heading of its x axis."""
     axes = np.eye(3)
     origin = np.array(shoulder(hand, torso))
     for (axis, length), angle in zip(CHAIN, joints, strict=True):
@@ -27,7 +27,7 @@ def base_T_tool(hand: Hand, torso: float, joints: Joints7) -> Pose4:
 
 
 def reach(hand: Hand, torso: float, base_T_goal: Pose4) -> Joints7 | None:
-    """Return the configuration nearest to the carry pose that holds the tool upright at a pose, or None."""
+    """Return the configuration nearest to the carry pose that has the tool upright at a pose, or None."""
     x, y, z, theta = base_T_goal
     found = all_solutions(hand, torso, np.array([x, y, z]), rotation(theta), pan_grid(hand, PANS))
     if not len(found):

@@ -1,4 +1,4 @@
-"""The believed world in the symbolic robot's simple terms: what stands where, and where a base may stand around it."""
+"""The believed world of the symbolic robot: standing objects, and base poses around them."""
 
 import itertools
 import math
@@ -12,33 +12,33 @@ from skolem.traces.messages import Belief, Hand, ObjectBelief, ObjectType, Pose2
 from skolem.traces.messages.likeliest import likeliest
 from skolem.traces.messages.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap_half_open
 
-STANDOFF_M = 0.62  # from the base to what a hand reaches for
-OBLIQUE_RAD = 0.4  # between the heading of a base that stands obliquely and the square one
-BODY_M, AIR_M = 0.36, 0.01  # from the middle of the base to its edge, and how much of that is air
-DOUBT_LIMIT_M = 0.05  # more doubt about the place of what is looked at is not reckoned with
-EXISTS = 0.5  # objects less likely to exist take no room
-RING_HEADINGS, RING_M = 12, (0.8, 1.0, 1.2, 1.4)  # base poses around what is looked at
+STANDOFF_M = 0.62  # from the base to the target of a hand
+OBLIQUE_RAD = 0.4  # between an oblique heading of the base and the square one
+BODY_M, AIR_M = 0.36, 0.01  # from the middle of the base to its edge, and the part of that which is air
+DOUBT_LIMIT_M = 0.05  # greatest considered doubt about the place of an object to look at
+EXISTS = 0.5  # objects less likely to exist are no obstacles
+RING_HEADINGS, RING_M = 12, (0.8, 1.0, 1.2, 1.4)  # base poses around an object to look at
 
 
 class SymbolicBelief:
-    """One belief, read."""
+    """One belief, with the geometry of its objects."""
 
     def __init__(self, types: Mapping[str, ObjectType], belief: Belief) -> None:
-        """Read a belief whose objects are of these types."""
+        """Read a belief about objects of these types."""
         self._types = types
         self.belief = belief
         self._doubts = Doubts(belief)
 
     def object(self, anchor: str) -> ObjectBelief:
-        """Return all that is believed of an anchor."""
+        """Return the belief about an anchor."""
         return self.belief.objects[anchor]
 
     def type(self, anchor: str) -> ObjectType:
-        """Return its most likely type."""
+        """Return the most likely type of an anchor."""
         return self._types[likeliest(self.object(anchor).type)]
 
     def base_T(self, world_T_thing: Pose4, world_T_base: Pose2 | None = None) -> Pose4:
-        """Return where something is seen from a base pose; from where the base is, if none is given."""
+        """Return base_T_thing for a base pose; without one, for the believed pose of the base."""
         return compose4(inverse4(raised(world_T_base or self.belief.world_T_base)), world_T_thing)
 
     def full(self, hand: Hand) -> bool:
@@ -46,15 +46,15 @@ class SymbolicBelief:
         return any(believed.in_hand == hand for believed in self.belief.objects.values())
 
     def standing(self) -> tuple[str, ...]:
-        """Return the anchors of all that is believed to exist and is in no hand."""
+        """Return the anchors that are believed to exist and are in no hand."""
         return tuple(a for a, item in self.belief.objects.items() if item.in_hand is None and item.exists >= EXISTS)
 
     def movable(self, target: str) -> tuple[str, ...]:
-        """Return what a hand could take away, the target not counted."""
+        """Return the anchors that a hand could take away, without the target."""
         return tuple(anchor for anchor in self.standing() if self.type(anchor).graspable and anchor != target)
 
     def doubt(self, anchor: str) -> float:
-        """Return how far beside its place among the other things an object may be."""
+        """Return how far an object may be from its place among the other objects, metres."""
         return self._doubts.own_spread(anchor, DOUBT_LIMIT_M)
 
     def pillar(self, anchor: str) -> Pillar:
@@ -62,18 +62,18 @@ class SymbolicBelief:
         return pillar(anchor, self.type(anchor), self.object(anchor).world_T_object)
 
     def pillars(self) -> list[Pillar]:
-        """Return all that could stand in the way of a hand."""
+        """Return the pillars of all objects that could block a hand."""
         return [self.pillar(anchor) for anchor in self.standing() if self.type(anchor).shape != "table"]
 
     def sight(self, world_T_base: Pose2) -> BelievedSight:
-        """Return the camera of a robot that stands somewhere."""
+        """Return the camera of a robot at a base pose."""
         things = [Thing(a, self.type(a), self.object(a).world_T_object) for a in self.standing()]
         return BelievedSight(world_T_base, self.belief.robot.torso, things)
 
     # ---------------------------------------------------------------- base poses
 
     def standoffs(self, world_T_target: Pose2, support: str | None, farthest_m: float) -> list[Pose2]:
-        """Return the base poses before a target: square to the edges below it, the nearest first, then oblique ones."""
+        """Return base poses before a target: those square to the edges below it, nearest first, then oblique ones."""
         x, y, _ = world_T_target
         bx, by, _ = self.belief.world_T_base
         if support is None or self.type(support).shape != "table":
@@ -92,7 +92,7 @@ class SymbolicBelief:
         return found
 
     def ring(self, middle: tuple[float, float]) -> Iterator[Pose2]:
-        """Yield the free base poses all around a point, facing it, the nearest first."""
+        """Yield the free base poses around a point, facing it, nearest first."""
         headings = [2.0 * math.pi * k / RING_HEADINGS for k in range(RING_HEADINGS)]
         poses = [
             (middle[0] - away * math.cos(heading), middle[1] - away * math.sin(heading), wrap_half_open(heading))
@@ -102,12 +102,12 @@ class SymbolicBelief:
         return (pose for pose in sorted(poses, key=self.drive_length) if self.free(pose))
 
     def drive_length(self, world_T_base: Pose2) -> tuple[float, ...]:
-        """Return how far a base pose is and how much to turn, then the way itself to break ties."""
+        """Return a sort key for drives: distance and turn to a base pose, then the pose itself to break ties."""
         x, y, theta = (round(v, 9) for v in compose2(inverse2(self.belief.world_T_base), world_T_base))
         return (round(math.hypot(x, y), 6), abs(theta), x, y)
 
     def free(self, world_T_base: Pose2) -> bool:
-        """Return whether a base there stands in no table."""
+        """Return whether a base at this pose intersects no table."""
         body = Footprint(world_T_base, (0.0, 0.0), BODY_M - AIR_M)
         return not any(
             overlaps(body, footprint(self.type(anchor), flat(believed.world_T_object)))
@@ -116,7 +116,7 @@ class SymbolicBelief:
         )
 
     def _edges(self, world_T_target: Pose2, support: str) -> list[tuple[float, float]]:
-        """Return, for each edge of a table, the heading into it and how deep behind it the target lies."""
+        """Return the heading into each edge of a table, and the distance of the target behind that edge."""
         world_T_table = flat(self.object(support).world_T_object)
         u, v, _ = compose2(inverse2(world_T_table), world_T_target)
         a, b = (size / 2.0 for size in self.type(support).size_m[:2])

@@ -1,4 +1,4 @@
-"""The way of a hand without its arm: a straight corridor from the middle of the base to what it reaches for."""
+"""Corridors: the straight way of a hand, without its arm, from the middle of the base to its target."""
 
 import math
 from collections.abc import Iterable
@@ -8,12 +8,12 @@ from skolem.sim.space.grasps import widest_half
 from skolem.traces.messages import ObjectType, Pose4
 
 HAND_M = 0.04  # half the width that a hand truly needs
-CORRIDOR_M = 0.06  # ... and that is planned for it
+CORRIDOR_M = 0.06  # ... and half the width that is planned for it
 
 
 @dataclass(frozen=True, slots=True)
 class Pillar:
-    """An upright thing: where its axis is, its radius, and the heights of its lower and upper end [m]."""
+    """An upright cylinder around an object: axis, radius, and heights of its lower and upper end [m]."""
 
     name: str
     x: float
@@ -24,18 +24,18 @@ class Pillar:
 
 
 def pillar(name: str, kind: ObjectType, world_T_object: Pose4, wider_m: float = 0.0) -> Pillar:
-    """Return a thing as a pillar around all of it, a little wider if need be."""
+    """Return the pillar around an object, widened by `wider_m`."""
     x, y, z, _ = world_T_object
     return Pillar(name, x, y, widest_half(kind) + wider_m, z, z + kind.size_m[2])
 
 
 def standing_in(start: tuple[float, float], target: Pillar, others: Iterable[Pillar], half_m: float) -> tuple[str, ...]:
-    """Return the names, sorted, of what stands in the corridor from `start` to a target.
+    """Return the sorted names of the pillars in the corridor from `start` to a target.
 
     Args:
-        start: Where the corridor begins.
-        target: Where it ends: nothing behind its axis is in the way, nor what is wholly above or below it.
-        others: What may stand in it; the target itself does not count.
+        start: Beginning of the corridor, metres.
+        target: End of the corridor; pillars behind its axis or wholly above or below it do not count.
+        others: Pillars that may stand in the corridor; the target itself does not count.
         half_m: Half the width of the corridor.
     """
     dx, dy = target.x - start[0], target.y - start[1]

@@ -1,7 +1,7 @@
-"""Where the symbolic robot must stand and how its hand must go, by distance and closed-form arm kinematics alone.
+"""The geometry of the symbolic robot, by distances and closed-form arm kinematics alone.
 
-It answers the reasoner's questions about the believed world as the planner with collision checking does, in a fraction
-of the time: the base drives in a straight line, a hand comes through a straight corridor, a camera sees along rays.
+It answers the same questions of the reasoner as the planner with collision checking, in a fraction of the time: the
+base drives in a straight line, a hand comes through a straight corridor, a camera sees along rays.
 """
 
 import math
@@ -29,14 +29,14 @@ from skolem.traces.messages import (
 )
 from skolem.traces.messages.poses import compose2, flat, inverse2, raised
 
-SPOTS = 24  # of the best places on a table, how many are tried
+SPOTS = 24  # number of spots on a table that are tried, best first
 
 
 class SymbolicGeometry:
-    """Answers about the belief it was last given."""
+    """Answers about the belief of the last `sync`."""
 
     def __init__(self, types: Mapping[str, ObjectType]) -> None:
-        """Know the types; nothing is believed yet."""
+        """Keep the types; there is no belief yet."""
         self._types = dict(types)
         self._belief: Belief | None = None
 
@@ -49,7 +49,7 @@ class SymbolicGeometry:
             self._ways = Ways(self._believed, self._hands)
 
     def close(self) -> None:
-        """Free nothing: there is no physics."""
+        """Do nothing: there is no physics client."""
 
     def ready(self, activity: Activity) -> Command | None:
         """Return the command that does `activity` from where the robot stands, or None."""
@@ -79,7 +79,7 @@ class SymbolicGeometry:
         return MoveBase(start_T_waypoint=(compose2(inverse2(self._now.world_T_base), stance),))
 
     def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return what stands in the way that has the least in it, sorted; empty if that is free or there is none."""
+        """Return the blockers of the way with the fewest, sorted; empty if that is free or there is no way."""
         way = self._way(activity) if self._is_open(activity) else None
         return () if way is None else way.blockers
 
@@ -88,20 +88,20 @@ class SymbolicGeometry:
         return self._believed.belief
 
     def _is_open(self, activity: Activity) -> bool:
-        """Return whether the activity is about something that could be seen or picked somewhere."""
+        """Return whether the activity is a look or a pick of an object in no hand, or a look at a region."""
         if activity.kind == "look_region":
             return True
         item = self._now.objects.get(activity.anchor)
         return activity.kind in ("look", "pick") and item is not None and item.in_hand is None
 
     def _way(self, activity: Activity) -> Way | None:
-        """Return how an activity would be done with an empty hand."""
+        """Return the way of an activity with an empty hand."""
         if activity.kind == "pick" and activity.hand is not None:
             return self._ways.best(activity, self._pick(activity.hand, activity.anchor) is not None)
         return self._ways.best(activity, self.ready(activity) is not None)
 
     def _look(self, activity: Activity) -> LookAt | None:
-        """Return the look from here, unless the object may be hidden and another stance is surer."""
+        """Return the look from here; None if the object may be hidden and another stance is surer."""
         believed, anchor = self._believed, activity.anchor
         x, y, z, _ = believed.base_T(believed.object(anchor).world_T_object)
         if believed.object(anchor).in_hand is not None or math.hypot(x, y) > LOOK_M:
@@ -120,21 +120,21 @@ class SymbolicGeometry:
         return None if head is None else LookAt(pan=head[0], tilt=head[1])
 
     def _pick(self, hand: Hand, anchor: str) -> Pick | None:
-        """Return the pick from here, unless a hand is full or something stands in the way."""
+        """Return the pick from here; None if the object is in a hand, blocked or out of reach."""
         here = self._now.world_T_base
         if self._believed.object(anchor).in_hand is not None or self._ways.in_corridor(here, anchor):
             return None
         return self._hands.pick(hand, anchor, here)
 
     def _place(self, hand: Hand, activity: Activity, support: str, world_T_base: Pose2) -> Place | None:
-        """Return how what is in a hand is put on the best place that the hand reaches from a base pose, or None."""
+        """Return the placement of the held object on the best spot within reach from a base pose, or None."""
         top = self._believed.type(support).size_m[2]
         releases = ((x, y, top + RELEASE_M, theta) for x, y, theta in self._spots(activity, support))
         found = (self._hands.place(hand, activity.anchor, release, world_T_base) for release in releases)
         return next((place for place in found if place is not None), None)
 
     def _to_place(self, activity: Activity, support: str) -> Pose2 | None:
-        """Return the nearest base pose before a place on a table from which a hand reaches one, or None."""
+        """Return the nearest base pose from which the hand reaches a spot on a table, or None."""
         hand = activity.hand
         found = [self._believed.standoffs(spot, support, FAR_M)[:1] for spot in self._spots(activity, support)]
         stances = sorted((pose for poses in found for pose in poses), key=self._believed.drive_length)
@@ -142,7 +142,7 @@ class SymbolicGeometry:
         return next(can_place, None)
 
     def _spots(self, activity: Activity, support: str) -> Iterator[Pose2]:
-        """Yield free places on a table for an object, in the world, the ones with most room first."""
+        """Yield free spots on a table for an object, world, those with most room first."""
         believed = self._believed
         table, kind = believed.type(support), believed.type(activity.anchor)
         if table.shape != "table":
@@ -165,6 +165,6 @@ class SymbolicGeometry:
                 return
 
     def _is_clear(self, other: Activity | None, kind: ObjectType) -> IsClear:
-        """Return a test of whether something put down at a pose leaves room for another activity."""
+        """Return a test of whether an object at a pose leaves room for another activity."""
         way = None if other is None or not self._is_open(other) else self._way(other)
         return (lambda at: True) if other is None or way is None else self._ways.leaves_room(other, way, kind)

@@ -1,4 +1,4 @@
-"""How the symbolic robot's hands get to things from a base pose, by closed-form kinematics of the arms."""
+"""Picks and places of the symbolic robot from a base pose, by closed-form kinematics of the arms."""
 
 import math
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from skolem.traces.messages import Hand, Joints7, Pick, Place, Pose2, Pose4
 from skolem.traces.messages.arm import CARRY, shoulder
 from skolem.traces.messages.poses import compose4, inverse4, wrap_half_open
 
-NEAR_M, FAR_M = 0.5, 0.8  # from the base to what a hand reaches for
+NEAR_M, FAR_M = 0.5, 0.8  # from the base to the target of a hand
 FACING_RAD = 0.5
 LIFT_M = 0.05
 
@@ -29,14 +29,14 @@ class Reach:
 
 
 class SymbolicHands:
-    """Answers about one belief; what is in the way of a hand is not asked here."""
+    """Answers about one belief; blockers are not considered here."""
 
     def __init__(self, belief: SymbolicBelief) -> None:
         """Keep the belief."""
         self._belief = belief
 
     def pick(self, hand: Hand, anchor: str, world_T_base: Pose2) -> Pick | None:
-        """Return how a hand closes on an object from a base pose, or None."""
+        """Return the pick of an object from a base pose, or None."""
         believed, kind = self._belief.object(anchor), self._belief.type(anchor)
         base_T_object = self._belief.base_T(believed.world_T_object, world_T_base)
         if believed.in_hand is not None or not _within_reach(base_T_object):
@@ -56,9 +56,9 @@ class SymbolicHands:
         return None
 
     def place(self, hand: Hand, anchor: str, world_T_release: Pose4, world_T_base: Pose2) -> Place | None:
-        """Return how a hand opens from a base pose so that what it holds is at `world_T_release`, or None.
+        """Return the placement, from a base pose, of the held object at `world_T_release`, or None.
 
-        An object may be put down with any heading: the hand comes as straight as it can.
+        An object may be put down with any heading, so the hand comes as straight as possible.
         """
         believed, kind = self._belief.object(anchor), self._belief.type(anchor)
         base_T_release = self._belief.base_T(world_T_release, world_T_base)
@@ -74,14 +74,14 @@ class SymbolicHands:
         return None
 
     def _straightest(self, hand: Hand, base_T_target: Pose4, yaws: NDArray[np.float64]) -> Iterator[float]:
-        """Yield directions of the fingers, shape (n,), straight away from the shoulder first."""
+        """Yield the yaws of the fingers, shape (n,), those straight away from the shoulder first."""
         sx, sy, _ = shoulder(hand, self._belief.belief.robot.torso)
         straight = math.atan2(base_T_target[1] - sy, base_T_target[0] - sx)
         angles: list[float] = yaws.tolist()
         yield from sorted(angles, key=lambda yaw: (abs(wrap_half_open(yaw - straight)), yaw))
 
     def _reach(self, hand: Hand, base_T_tool: Pose4, back_m: float) -> Reach | None:
-        """Return arm configurations at a tool pose, `back_m` behind it and a little above it, or None."""
+        """Return the arm configurations at a tool pose, `back_m` behind it and a little above it, or None."""
         torso = self._belief.belief.robot.torso
         before = reach(hand, torso, compose4(base_T_tool, (-back_m, 0.0, 0.0, 0.0)))
         at = reach(hand, torso, base_T_tool)
@@ -90,6 +90,6 @@ class SymbolicHands:
 
 
 def _within_reach(base_T_target: Pose4) -> bool:
-    """Return whether a target lies in the ring before the base where a hand reaches it."""
+    """Return whether a target lies in the reachable ring before the base."""
     x, y = base_T_target[:2]
     return NEAR_M <= math.hypot(x, y) <= FAR_M and abs(math.atan2(y, x)) <= FACING_RAD

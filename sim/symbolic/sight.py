@@ -1,4 +1,4 @@
-"""What the symbolic robot believes that its camera would see, from wherever it stands."""
+"""The believed sight of the symbolic robot's camera from any base pose."""
 
 import dataclasses
 import math
@@ -28,10 +28,10 @@ class Thing:
 
 
 class BelievedSight:
-    """A camera at one base pose among believed things; it satisfies `surveys.Camera`."""
+    """A camera at one base pose among believed objects; it satisfies `surveys.Camera`."""
 
     def __init__(self, world_T_base: Pose2, torso: float, things: Sequence[Thing]) -> None:
-        """Put the camera among things."""
+        """Put the camera among objects."""
         self._world_T_base = raised(world_T_base)
         base_T_world = inverse4(self._world_T_base)
         self._torso = torso
@@ -39,7 +39,7 @@ class BelievedSight:
         self._head = (0.0, 0.0)
 
     def look_at(self, point_world: Vector3) -> tuple[float, float] | None:
-        """Turn the camera to a point and return pan and tilt; None, and nothing turned, beyond the neck's limits."""
+        """Turn the camera to a point and return pan and tilt; beyond the limits return None, unturned."""
         point = compose4(inverse4(self._world_T_base), (*point_world, 0.0))[:3]
         head = head_towards(self._torso, np.array(point))
         if head is not None:
@@ -57,20 +57,20 @@ class BelievedSight:
         return np.array(compose4(self._world_T_base, (x, y, z, 0.0))[:3]), rotation(self._world_T_base[3]) @ frame.axes
 
     def unhidden(self, points_world: Floats) -> Mask:
-        """Return before which points, shape (n, 3), nothing stands."""
+        """Return the mask, shape (n,), of points (n, 3), world, that nothing hides."""
         toward = (points_world - self._world_T_base[:3]) @ rotation(self._world_T_base[3]) - self._frame().origin
         return np.asarray(cast(self._frame(), toward, self._solids) > 1.0)
 
     def hiders(self, name: str, movable: Sequence[str], doubt_m: float = 0.0) -> tuple[str, ...] | None:
-        """Turn to a thing and return what must go for it to be seen; None if it is too far or hidden for good.
+        """Turn to an object and return the movable objects that hide it; None if it is too far or others hide it too.
 
-        What hides most goes first; what stands behind that may hide the thing in its turn. What is believed to be in
-        the thing itself hides nothing: one of the two is elsewhere, and a look shows which.
+        The object that hides most comes first; one behind it may hide the target too. An object that is believed to
+        intersect the target does not hide it: one of the two is elsewhere, and a look shows which.
 
         Args:
-            name: The thing.
-            movable: What could be taken away.
-            doubt_m: How far to either side of its place the thing may be; it must be seen wherever it is.
+            name: The target.
+            movable: The objects that could be taken away.
+            doubt_m: How far to either side of its place the target may be; it must be seen wherever it is.
         """
         solid = self._solid(name)
         x, y, z, _ = compose4(self._world_T_base, solid.base_T_solid)
@@ -91,7 +91,7 @@ class BelievedSight:
             gone = (*gone, most)
 
     def _places(self, solid: Solid, doubt_m: float) -> list[Solid]:
-        """Return a solid at its place and, if that is in doubt, to either side of it as seen from here."""
+        """Return a solid at its place and, if that is in doubt, also to either side of it as seen from here."""
         x, y, z, theta = solid.base_T_solid
         ex, ey, _ = self._frame().origin
         across = np.array([ey - y, x - ex]) / max(math.hypot(x - ex, y - ey), 1e-9) * doubt_m
@@ -105,7 +105,7 @@ class BelievedSight:
         return next(solid for solid in self._solids if solid.id == name)
 
     def outline(self, name: str) -> Floats:
-        """Return points on the outline of a thing, as seen from here, shape (9, 3), world."""
+        """Return points on the outline of an object as seen from here, shape (9, 3), metres, world."""
         points = outline(self._frame().origin, self._solid(name))
         return points @ rotation(self._world_T_base[3]).T + self._world_T_base[:3]
 

@@ -1,7 +1,7 @@
-"""What the symbolic robot's camera sees: rays against boxes and upright cylinders, no pixels.
+"""The symbolic robot's camera: rays against boxes and upright cylinders, no pixels.
 
 The camera sits where the PR2's Kinect does. An object is seen if it is near enough, wholly inside the image, and mostly
-unhidden; a table if enough of the edges of its top is.
+unhidden; a table is seen if enough of the edges of its top are.
 """
 
 import math
@@ -26,14 +26,14 @@ TILT_AXIS_M = (0.068, 0.0, 0.0)  # in the panned frame
 LENS_M = (-0.147067, 0.0125, 0.291953)  # in the tilted frame
 PAN_LIMIT_RAD = 3.007
 TILT_LIMITS_RAD = (-0.471, 1.396)
-FAR_M = 4.5  # nothing comes back from beyond
-SIGHT_M = 2.4  # beyond it the detector cannot tell things from their support
-SEEN_SHARE = 0.75  # of an object's outline that must be in sight
+FAR_M = 4.5  # no readings beyond
+SIGHT_M = 2.4  # beyond it the detector cannot separate objects from their support
+SEEN_SHARE = 0.75  # least share of an object's outline in sight
 OUTLINE_POINTS = 9
-EDGE_SHARE = 0.3  # of the edges of a table's top: two corners and what is between them
-EDGE_POINTS = 9  # tried along each edge
+EDGE_SHARE = 0.3  # least share of the edges of a table's top: two corners and the edge between them
+EDGE_POINTS = 9  # points tried along each edge
 HEAD_TURNS = 20  # fixed-point steps of `head_towards`, enough for 1e-6 rad
-TOP_THICKNESS_M = 0.04  # of a table, which one can see below
+TOP_THICKNESS_M = 0.04  # of a table; one can see below it
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,15 +77,15 @@ def head_towards(torso: float, point_base: Floats) -> tuple[float, float] | None
 
 
 def cast(frame: Frame, directions: Floats, solids: Sequence[Solid]) -> Floats:
-    """Return how many times each direction goes before it hits the floor or a solid.
+    """Return the distance along each direction to the floor or a solid.
 
     Args:
         frame: Where the rays start, base frame.
         directions: Shape (n, 3), base frame; their length is the unit of the answer.
-        solids: What can be hit.
+        solids: The solids.
 
     Returns:
-        Shape (n,); infinite where nothing is hit.
+        Shape (n,), in lengths of the directions; infinite where nothing is hit.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         floor = -frame.origin[2] / directions[:, 2]
@@ -96,7 +96,7 @@ def cast(frame: Frame, directions: Floats, solids: Sequence[Solid]) -> Floats:
 
 
 def depth_view(frame: Frame, solids: Sequence[Solid], believed: Frame) -> DepthView:
-    """Return the depth image of a camera at `frame`, of exact readings, as one who believes it at `believed`."""
+    """Return the exact depth view of a camera at `frame`, labelled with the frame `believed`."""
     rays = pixel_rays(COLUMNS, ROWS).reshape(-1, 3) @ frame.axes.T
     depth = cast(frame, rays, solids)
     depth[depth > FAR_M] = 0.0
@@ -155,7 +155,7 @@ def outline(eye: Floats, solid: Solid) -> Floats:
 
 
 def _hit(eye: Floats, directions: Floats, solid: Solid) -> Floats:
-    """Return where rays enter a solid, in lengths of their direction, shape (n,); infinite for a miss."""
+    """Return the distance to a solid along rays, in lengths of their direction, shape (n,); infinite for a miss."""
     solid_T_base = inverse4(solid.base_T_solid)
     start = np.array(compose4(solid_T_base, (*eye.tolist(), 0.0))[:3])
     rays = directions @ rotation(solid_T_base[3]).T
@@ -172,13 +172,13 @@ def _hit(eye: Floats, directions: Floats, solid: Solid) -> Floats:
 
 
 def _slab(start: float, rays: Floats, low: float, high: float) -> tuple[Floats, Floats]:
-    """Return where rays enter and leave low <= coordinate <= high, each of shape (n,)."""
+    """Return the distances at which rays enter and leave low <= coordinate <= high, each of shape (n,)."""
     a, b = (low - start) / rays, (high - start) / rays
     return np.minimum(a, b), np.maximum(a, b)
 
 
 def _circle(start: Floats, rays: Floats, radius: float) -> tuple[Floats, Floats]:
-    """Return where rays enter and leave an endless upright cylinder about the origin, each of shape (n,)."""
+    """Return the distances at which rays enter and leave an infinite upright cylinder about the origin, shape (n,)."""
     a = rays[:, 0] ** 2 + rays[:, 1] ** 2
     b = rays[:, 0] * start[0] + rays[:, 1] * start[1]
     root = np.sqrt(b * b - a * (start[0] ** 2 + start[1] ** 2 - radius**2))

@@ -1,4 +1,4 @@
-"""How the symbolic robot would do something from some base pose: what is in the way, and what would be."""
+"""Ways of the symbolic robot to do an activity: base poses, their blockers, and the places they need free."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ from skolem.sim.symbolic.sight import BelievedSight, Thing
 from skolem.traces.messages import Activity, ObjectType, Pose2, Pose4
 from skolem.traces.messages.poses import Vector3, flat
 
-LOOK_M = 1.6  # from the base: what is nearer can be looked at
-ROOM_M = 0.03  # around what is put down beside a way
-ELSEWHERE_M = 0.5  # when what a look should have shown did not appear, the next is from so far away
-METRE_COST = 0.02  # share of what is unseen that is given up to drive a metre less
+LOOK_M = 1.6  # greatest distance from the base of an object to look at
+ROOM_M = 0.03  # around an object that is put down beside a way
+ELSEWHERE_M = 0.5  # after a look that showed nothing new, least distance to the next stance
+METRE_COST = 0.02  # share of the unseen part that a metre of driving costs
 
 Points = NDArray[np.float64]
 IsClear = Callable[[Pose4], bool]
@@ -29,35 +29,35 @@ IsClear = Callable[[Pose4], bool]
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A base pose to do something from, and what must be taken away before."""
+    """A base pose for an activity, and the objects that must be taken away before."""
 
     world_T_base: Pose2
     blockers: tuple[str, ...]
 
 
 class Ways:
-    """Compares the base poses from which something could be done in one belief."""
+    """Compares the base poses for activities in one belief."""
 
     def __init__(self, belief: SymbolicBelief, hands: SymbolicHands) -> None:
-        """Keep the belief and how hands reach in it; what stances show of a region is kept as it is asked for."""
+        """Keep the belief and its hands; surveys of a region are made on first use and kept."""
         self._belief = belief
         self._hands = hands
         self._compared: dict[str, list[tuple[Pose2, Survey]]] = {}
 
     def free(self, activity: Activity) -> Iterator[Pose2]:
-        """Yield the base poses from which a pick or a look can be done, in order of preference."""
+        """Return the base poses from which a pick or a look can be done, in order of preference."""
         if activity.kind == "look_region":
             return (stance for stance, _ in self.surveyed(activity.anchor))
         ways = self._all(activity) if activity.kind == "pick" else chain(self.sure(activity), self._all(activity))
         return (way.world_T_base for way in ways if not way.blockers)
 
     def sure(self, activity: Activity) -> Iterator[Way]:
-        """Yield the ways to look at an object that show it wherever it may be."""
+        """Return the ways to look at an object that show it at all its possible places."""
         doubt = self._belief.doubt(activity.anchor)
         return (way for way in self._all(activity, doubt) if not way.blockers)
 
     def best(self, activity: Activity, can_do_here: bool) -> Way | None:
-        """Return the way with the fewest blockers, from here if it can be done here; None if there is none."""
+        """Return the way with the fewest blockers: the one from here if `can_do_here`; None if there is none."""
         if can_do_here:
             return Way(self._belief.belief.world_T_base, ())
         if activity.kind == "look_region":
@@ -72,7 +72,7 @@ class Ways:
         return best
 
     def in_corridor(self, world_T_base: Pose2, anchor: str) -> tuple[str, ...]:
-        """Return what stands in the way of a hand from a base pose to an object."""
+        """Return the anchors in the corridor of a hand from a base pose to an object."""
         believed = self._belief
         return standing_in(world_T_base[:2], believed.pillar(anchor), believed.pillars(), CORRIDOR_M)
 
@@ -95,7 +95,7 @@ class Ways:
     # ---------------------------------------------------------------- regions
 
     def unseen(self, region: str) -> Points:
-        """Return points of what is unseen of a region, shape (n, 3), world; none if there is no such region."""
+        """Return the unseen points of a region, shape (n, 3), metres, world; empty if there is no such region."""
         at = self._belief.belief.regions.get(region)
         if at is None or at.support not in self._belief.belief.objects:
             return np.empty((0, 3))
@@ -103,14 +103,14 @@ class Ways:
         return surveys.unseen_points(at, world_T_support, self._belief.type(at.support).size_m[2])
 
     def survey_here(self, region: str) -> Survey | None:
-        """Return the look at a region from here, or None if it must go elsewhere."""
+        """Return the look at a region from here; None if the robot must go elsewhere."""
         found = surveys.survey(self._belief.sight(self._belief.belief.world_T_base), self.unseen(region))
         if found is None or self._was_taken(found):
             return None
         return found if surveys.is_worth_it(found, lambda: [other for _, other in self.surveyed(region)]) else None
 
     def surveyed(self, region: str) -> list[tuple[Pose2, Survey]]:
-        """Return base poses that show something of a region and what they show, the most first."""
+        """Return base poses that show a part of a region, each with its survey, best first."""
         if region not in self._compared:
             found = self._surveys(self.unseen(region))
             self._compared[region] = sorted(found, key=lambda pair: -self._value(*pair))
@@ -141,7 +141,7 @@ class Ways:
     # ---------------------------------------------------------------- leaving room
 
     def leaves_room(self, activity: Activity, way: Way, kind: ObjectType) -> IsClear:
-        """Return a test of whether a thing of a type, at a pose in the world, stands in no way of an activity."""
+        """Return a test of whether an object of a type at a world pose leaves a way of an activity free."""
         if activity.kind == "pick":
             target = self._belief.pillar(activity.anchor)
             return lambda at: not standing_in(way.world_T_base[:2], target, [pillar("", kind, at, ROOM_M)], CORRIDOR_M)
@@ -159,7 +159,7 @@ class Ways:
         return is_clear
 
     def _looked_at(self, activity: Activity, way: Way) -> Points:
-        """Return what is to be seen along a way, shape (n, 3), world."""
+        """Return the points that must be seen along a way, shape (n, 3), metres, world."""
         sight = self._belief.sight(way.world_T_base)
         if activity.kind == "look_region":
             points = self.unseen(activity.anchor)

@@ -1,8 +1,8 @@
 """A world without physics: the same actions, observations and noise as the PyBullet one, in microseconds.
 
-What is left out: contact, collisions of the base, the arm in the picture, pixels. What is kept: the true poses nobody
-else reads, the errors of wheels, camera, detector and wrist, that a hand closing on the wrong place holds nothing, and
-that it does not get to where something stands in its way.
+It leaves out contact, collisions of the base, the arm in the picture, and pixels. It keeps true poses that nobody else
+reads, and the errors of wheels, camera, detector and wrist. A hand that closes at the wrong place holds nothing, and a
+hand whose corridor is blocked does not reach its target.
 
 May import: detector, truth, symbolic.
 """
@@ -60,22 +60,22 @@ from skolem.traces.messages import (
 from skolem.traces.messages.arm import CARRY
 from skolem.traces.messages.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap_half_open
 
-TABLE_SD_M, TABLE_SD_RAD = 0.005, 0.01  # of a seen table beside the camera's error
-CAPTURE_M, CAPTURE_RAD = 0.03, 0.2  # a hand closes on what is this near to where it was planned to be
+TABLE_SD_M, TABLE_SD_RAD = 0.005, 0.01  # of a seen table, in addition to the camera's error
+CAPTURE_M, CAPTURE_RAD = 0.03, 0.2  # greatest error of an object's pose at which a hand still closes on it
 OPEN_GAP_M = 0.086  # between the open fingers
 FULL_POINTS = 2000.0  # pixels on a can one metre from a camera of 320 x 240
-PLACE_M = 0.02  # between places on a top where a false detection can claim to stand
+PLACE_M = 0.02  # between the places on a top where false detections may stand
 SPEED_M, SPEED_RAD = 0.5, 0.7  # of the base, per second
 LOOK_S, HAND_S, WEIGH_S = 1.0, 6.0, 1.0  # simulated duration of the other actions
 WEIGH_SAMPLES = 48
 GRASP_STREAM, PLACE_STREAM = (
     101,
     102,
-)  # beside the numbers of skolem.sim.truth.noise.Purpose, whose world has contacts instead
+)  # differ from all numbers of skolem.sim.truth.noise.Purpose, whose world has contacts instead
 
 
 class SymbolicWorld:
-    """The truth, and what executing an action does to it."""
+    """The true world, changed by actions in closed form."""
 
     def __init__(
         self,
@@ -87,16 +87,16 @@ class SymbolicWorld:
         seed: int,
         told: NoiseModel | None = None,
     ) -> None:
-        """Put everything where the scenario says.
+        """Build the world.
 
         Args:
             types: Every type by name.
-            things: What stands where.
-            world_T_base: Where the robot truly stands; its arms are in their carry poses.
-            torso: Its lift [m].
-            noise: How its sensors and wheels truly err.
-            seed: Of the run.
-            told: How its detector takes them to err when it states covariances; None: as they do.
+            things: The true bodies.
+            world_T_base: True pose of the base; the arms are in their carry poses.
+            torso: Torso lift [m].
+            noise: True noise of sensors and wheels.
+            seed: Seed of the run.
+            told: Stated noise, from which the detector computes covariances; None: the true noise.
         """
         self._bodies = {body.id: body for body in things}
         self._types = dict(types)
@@ -116,7 +116,7 @@ class SymbolicWorld:
         """Do nothing: there is no engine to stop."""
 
     def robot_state(self) -> RobotState:
-        """Return what the encoders say."""
+        """Return the encoder values."""
         return self._robot
 
     def state(self, step: int) -> TrueState:
@@ -139,12 +139,12 @@ class SymbolicWorld:
         return TrueState(step=step, world_T_base=self._world_T_base, objects=objects, sha256=digest)
 
     def disturb(self, object_id: str, world_T_object: Pose4) -> None:
-        """Move an object from outside; out of a hand, if it is in one."""
+        """Move an object from outside; an object in a hand is taken out."""
         self._held = {hand: held for hand, held in self._held.items() if held[0] != object_id}
         self._put(object_id, world_T_object)
 
     def execute(self, action: Action) -> tuple[ActionResult, Observation]:
-        """Carry out an action and return what the robot's joints and its sensors say."""
+        """Carry out an action and return its result and the observation."""
         step, command = action.step, action.command
         match command:
             case MoveBase():
@@ -183,7 +183,7 @@ class SymbolicWorld:
         return self._result(step).model_copy(update={"odometry": start_T_end})
 
     def _carry_along(self) -> None:
-        """Move what is held to where its hand is."""
+        """Move held objects to their hands."""
         for hand, (name, tool_T_object) in self._held.items():
             self._put(name, compose4(self._world_T_tool(hand, self._arm(hand)), tool_T_object))
 
@@ -201,7 +201,7 @@ class SymbolicWorld:
         self._bodies[name] = replace(self._bodies[name], world_T_object=world_T_object)
 
     def _pick(self, step: int, command: Pick) -> ActionResult:
-        """Close the hand at the end of `reach` on whatever stands where the object was planned to be, if it can."""
+        """Close the hand at the end of `reach` on whichever object stands at the planned pose, if any."""
         self._pass(HAND_S)
         hand, joints = command.hand, command.reach[-1]
         world_T_tool = self._world_T_tool(hand, joints)
@@ -235,7 +235,7 @@ class SymbolicWorld:
         return None if best is None else best[1]
 
     def _is_barred(self, name: str) -> bool:
-        """Return whether something stands in the corridor through which a hand comes to an object."""
+        """Return whether another object stands in the corridor of a hand to an object."""
         held = {held for held, _ in self._held.values()}
         pillars = {
             body.id: pillar(body.id, self._types[body.type], body.world_T_object)
@@ -245,13 +245,13 @@ class SymbolicWorld:
         return bool(standing_in(self._world_T_base[:2], pillars[name], pillars.values(), HAND_M))
 
     def _slip(self, step: int, number: int, sd_m: float, sd_rad: float) -> Pose4:
-        """Draw by how much an object moves in its own frame when fingers close on it or let it go."""
+        """Draw the motion of an object in its own frame when fingers close on it or release it."""
         draws = Generator(PCG64(SeedSequence([self._seed, step, number])))
         x, y, theta = (draws.normal(size=3) * (sd_m, sd_m, sd_rad)).tolist()
         return (x, y, 0.0, theta)
 
     def _place(self, step: int, command: Place) -> ActionResult:
-        """Open the hand at the end of `lower`; the object drops to what is below it."""
+        """Open the hand at the end of `lower`; the object drops to the surface below it."""
         self._pass(HAND_S)
         hand, joints = command.hand, command.lower[-1]
         held = self._held.pop(hand, None)
@@ -289,7 +289,7 @@ class SymbolicWorld:
         return self._result(step), Observation(step=step, kind="weigh", wrench=wrench)
 
     def _look(self, step: int) -> Observation:
-        """Return what the detector reports of the things and tables in sight, and the depth image."""
+        """Return the observation of a look: detections of the objects in sight, and the depth view."""
         held = {name for name, _ in self._held.values()}
         base_T_world = inverse4(raised(self._world_T_base))
         solids = [
@@ -318,7 +318,7 @@ class SymbolicWorld:
         return Observation(step=step, kind="look", detections=detections, view=view)
 
     def _detection(self, solid: Solid, base_T_seen: Pose4, camera_base: NDArray[np.float64]) -> Detection:
-        """Return the detection of one solid by a detector that errs as the camera's calibration does."""
+        """Return the detection of one solid, with the error of the camera's calibration."""
         body, upright = self._bodies[solid.id], solid.type.shape == "cylinder"
         x, y, z, theta = base_T_seen
         base_T_object = (x, y, z, 0.0 if upright else wrap_half_open(2.0 * theta) / 2.0)
@@ -358,7 +358,7 @@ class SymbolicWorld:
 
 
 def _misplaced(base_T_solid: Pose4, eye: NDArray[np.float64], axes: NDArray[np.float64], error: Extrinsics) -> Pose4:
-    """Return where a camera with that calibration error believes a solid to be, upright as before."""
+    """Return the pose at which a camera with that calibration error believes a solid, still upright."""
     x, y, z, theta = base_T_solid
     point_camera = axes.T @ (np.array([x, y, z]) - eye)
     a, b, c = (eye + axes @ (error.turn @ point_camera + error.shift)).tolist()
@@ -372,7 +372,7 @@ def _of_top(table: Solid) -> Pose4:
 
 
 def _top(frame: Frame, table: Solid, others: Sequence[Solid]) -> Support:
-    """Return a table's top with the visible places on it where something could be claimed to stand."""
+    """Return a table's top with its visible places where a false detection could stand."""
     width, depth, height = table.type.size_m
     u, v = np.meshgrid(*(np.arange(PLACE_M / 2.0, size, PLACE_M) - size / 2.0 for size in (width, depth)))
     x, y, z, theta = table.base_T_solid
