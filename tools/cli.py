@@ -1,4 +1,4 @@
-"""The `skolem` command: which verbs there are, each imported when it is used and not before.
+"""The `skolem` command: the table of verbs, each of which is imported when it is used.
 
 May import: explain, files, generate, replay, rules, run, show, sweep, view.
 """
@@ -73,14 +73,14 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
     ),
 }
 BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
-AGAIN_S = 0.01  # after which a request to end that was lost is made again
-GARBAGE = 100_000  # objects made before circles of them are looked for: what is imported stays, and is a lot to look at
+AGAIN_S = 0.01  # delay before a lost request to end is repeated
+GARBAGE = 100_000  # new objects before a search for garbage: it visits all imported modules, and they stay anyway
 
 
 class LazyGroup(TyperGroup):
-    """Knows its verbs by name, and loads the module of the one that is called.
+    """A group of commands that loads only the module of the verb that is used.
 
-    Typer brings click's classes with it or takes them from the package, as its version has it: hence `Any`.
+    Some versions of typer contain click's classes, others import them from click: hence `Any`.
     """
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -101,15 +101,15 @@ class LazyGroup(TyperGroup):
             formatter.write_dl([(name, line) for name, (_, line) in VERBS.items()])
 
     def shell_complete(self, ctx: Any, incomplete: str) -> Any:
-        """Complete a verb without importing any, or an option."""
+        """Complete a verb without importing any, or an option of a verb."""
         if incomplete.startswith("-"):
             return super().shell_complete(ctx, incomplete)
         stand_ins = TyperGroup(commands={name: TyperCommand(name, help=line) for name, (_, line) in VERBS.items()})
         return stand_ins.shell_complete(type(ctx)(stand_ins), incomplete)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the verb, or name the nearest one there is."""
-        if args[0] not in VERBS and not ctx.resilient_parsing:  # which completion asks for
+        """Find the verb; for an unknown one name the nearest verb."""
+        if args[0] not in VERBS and not ctx.resilient_parsing:  # completion sets resilient_parsing
             close = difflib.get_close_matches(args[0], VERBS, 1)
             hint = f"did you mean '{close[0]}'?" if close else f"there are: {', '.join(VERBS)}"
             ctx.fail(f"no verb '{args[0]}'; {hint}")
@@ -148,12 +148,12 @@ def skolem(
 
 def main() -> int:
     """Run the command line and return the exit status."""
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # what others installed has no say, and takes time
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # plugins of other packages take time
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads are slower on small matrices, and not repeatable
     gc.set_threshold(GARBAGE)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C, the trace is closed
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # like Ctrl-C, so that the trace is closed
     _end_with_the_terminal()
-    signal.signal(signal.SIGALRM, signal.default_int_handler)  # asked before: see _ask_again
+    signal.signal(signal.SIGALRM, signal.default_int_handler)  # a repeated request: see _ask_again
     sys.unraisablehook = _ask_again
     try:
         status = _run()
@@ -165,21 +165,21 @@ def main() -> int:
 
 
 def _end_with_the_terminal() -> None:
-    """Take a terminal that is closed as a request to end, unless that is to be ignored, as under nohup."""
+    """Take the end of the terminal as a request to end, unless the signal is ignored, as under nohup."""
     if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
         return
     terminals = [number for number in (1, 2) if os.isatty(number)]
 
     def hung_up(number: int, frame: FrameType | None) -> None:
         for gone in (terminal for terminal in terminals if not os.isatty(terminal)):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), gone)  # what is still to be said would fail
+            os.dup2(os.open(os.devnull, os.O_WRONLY), gone)  # later output would fail
         signal.default_int_handler(number, frame)
 
     signal.signal(signal.SIGHUP, hung_up)
 
 
 def _ask_again(lost: "sys.UnraisableHookArgs") -> None:
-    """Ask to end once more if that was lost: Python drops what is raised while an object is taken down."""
+    """Repeat a lost request to end: Python drops exceptions that are raised while an object is destroyed."""
     if issubclass(lost.exc_type, KeyboardInterrupt):
         signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
     else:
@@ -203,7 +203,7 @@ def _run() -> int:
 
 
 def _explain(error: Exception) -> int:
-    """Say what went wrong on standard error; return the exit status."""
+    """Print the error on standard error; return the exit status."""
     from skolem.traces.errors import InputError, TraceError
 
     if isinstance(error, InputError | TraceError):

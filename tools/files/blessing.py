@@ -1,4 +1,4 @@
-"""Record golden traces anew: run the scenario, compare with the old one, put decisions and manifest in place."""
+"""Recording of golden traces: run the scenario, compare with the old trace, replace decisions and manifest."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -25,15 +25,15 @@ from skolem.traces.errors import Fault, InputError, TraceError
 
 @dataclass(frozen=True, slots=True)
 class Blessed:
-    """What became of one golden trace.
+    """The result of blessing one golden trace.
 
     Attributes:
-        name: Its name.
-        golden: What the manifest says now.
-        old: What it said before; None of a new one.
+        name: Name of the trace.
+        golden: Its new description in the manifest.
+        old: Its old description; None for a new trace.
         bytes: Size of the file.
         changed: Whether file and manifest were written.
-        changes: How the new one differs from the old one, as lines; none if there is no old one.
+        changes: The differences from the old trace, as lines; empty if there is no old trace.
     """
 
     name: str
@@ -45,12 +45,12 @@ class Blessed:
 
 
 def bless(folder: Path, name: str, recipe: Golden, reason: str) -> Blessed:
-    """Run a golden trace's scenario, and keep its decisions and their description; an equal one stays as it is.
+    """Run a golden trace's scenario, and keep its decisions and their description; an equal trace is not replaced.
 
     Args:
-        folder: Where golden traces and their manifest lie.
-        name: Of the trace.
-        recipe: Says what is run and why; what it says of the result is replaced.
+        folder: Folder of the golden traces and their manifest.
+        name: Name of the trace.
+        recipe: The scenario to run and the purpose; its fields about the result are replaced.
         reason: Why the trace may change.
 
     Raises:
@@ -79,7 +79,7 @@ def bless(folder: Path, name: str, recipe: Golden, reason: str) -> Blessed:
 
 
 def _described(recipe: Golden, trace: Path, reason: str) -> Golden:
-    """Return the manifest's description of a trace, once it is found sound."""
+    """Return the manifest's description of a sound trace."""
     checked = check(trace)
     if checked.flaw is not None:
         raise TraceError(f"{trace}: {checked.flaw}")
@@ -108,7 +108,7 @@ def _up_to_date(path: Path) -> bool:
 
 
 def _difference(old: Path, new: Path) -> Iterator[str]:
-    """Yield how two traces differ: where they part, and how often each field differs."""
+    """Yield the differences of two traces: the first divergence, and how often each field differs."""
     try:
         comparison = compare(Trace(old), Trace(new), tolerance_for("equal machine"))
     except TraceError as error:

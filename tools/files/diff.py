@@ -61,7 +61,7 @@ def diff(
 
 
 def _decisions(parted: Divergence | None) -> str:
-    """Return in one line where the decisions part."""
+    """Return in one line the first difference in the decisions."""
     if parted is None:
         return "the decisions are the same: plans, actions and end"
     where = f"at step {parted.step}" if parted.step >= 0 else "before the first"
@@ -69,7 +69,7 @@ def _decisions(parted: Divergence | None) -> str:
 
 
 def _refuse_absent(topics: Collection[str], one: Trace, other: Trace) -> None:
-    """Refuse a topic that is in neither trace: nothing would be compared, and that is not agreement."""
+    """Refuse a topic that is in neither trace: the traces would agree without any comparison."""
     there = {message.topic for trace in (one, other) for message in trace.messages()} if topics else set()
     faults = [
         Fault("--topic", 0, 0, f"neither trace has messages of {topic}; there are: {', '.join(sorted(there))}")

@@ -64,7 +64,7 @@ def bless(
 
 
 def _contradictions(scenario: Path | None, all_: bool, of_new: Sequence[str]) -> list[Fault]:
-    """Return what is wrong with flags that are of a new trace beside those that are of known ones."""
+    """Return a fault for each flag of a new trace that is given together with flags of existing ones."""
     if scenario is None:
         return [Fault(flag, 0, 0, "is of a new trace, or of another recipe: give --scenario too") for flag in of_new]
     return [Fault("--all", 0, 0, "is of the traces that there are: leave out --scenario")] if all_ else []

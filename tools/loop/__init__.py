@@ -1,4 +1,4 @@
-"""The loop observe, update, decide, act: `Mind`, `World`, what a run is made of, and the verdict.
+"""The loop observe, update, decide, act: `Mind`, `World`, the inputs of a run, and the verdict.
 
 May import: reasoner.lint, sim.families, sim.robot, sim.scenario, traces.file.
 """

@@ -1,4 +1,4 @@
-"""Processes that we start: none outlives us, whatever ends us."""
+"""Child processes, none of which outlives the process that starts it."""
 
 import ctypes
 import os
@@ -12,12 +12,12 @@ _PR_SET_PDEATHSIG: Final = 1
 
 
 def end_with_parent() -> None:
-    """Have the kernel end this process when its parent ends, however that happens (Linux); for `preexec_fn`."""
+    """Let the kernel end this process when its parent ends for any reason (Linux); for `preexec_fn`."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def end(process: "subprocess.Popen[Any]", seconds: float = END_S) -> None:
-    """Ask a process to end, and end it if it has not after so long."""
+    """Ask a process to end, and kill it if it has not ended after `seconds`."""
     process.terminate()
     try:
         process.wait(seconds)

@@ -1,4 +1,4 @@
-"""Scenarios drawn by family and seed, with the words of the rules that ship."""
+"""Scenarios that are drawn by family and seed, with the words of the rules that ship."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -12,7 +12,7 @@ from skolem.sim.scenario.document import nearest, read_document
 from skolem.tools.loop.setup import Setup, compose
 from skolem.traces.errors import Fault, InputError
 
-MOST_SURE = 0.99  # that anything exists is never believed with more
+MOST_SURE = 0.99  # the belief that an object exists never exceeds this probability
 
 
 @cache
@@ -30,19 +30,19 @@ def refuse_unknown(family: str) -> None:
     """Refuse the name of a family that does not exist.
 
     Raises:
-        InputError: With the nearest name there is.
+        InputError: With the nearest name of a family.
     """
     if family not in FAMILIES:
         raise InputError([Fault("FAMILY", 0, 0, f"no family '{family}'{nearest(family, FAMILIES)}")])
 
 
 def drawn_text(family: str, seed: int, bound: float | None = None) -> str:
-    """Return the scenario of a family and a seed, as the text of its file.
+    """Return the text of the scenario file for a family and a seed.
 
     Args:
         family: One of the names in `skolem.sim.families.ranges.FAMILIES`.
         seed: From 0.
-        bound: How sure the robot must be of what a description denotes, instead of what is drawn.
+        bound: The probability that the goal asks for a description's denotation, instead of a drawn one.
 
     Raises:
         InputError: If there is no such family, or the bound is no probability that can be reached.
@@ -56,14 +56,14 @@ def drawn_text(family: str, seed: int, bound: float | None = None) -> str:
 
 
 def drawn_setup(family: str, seed: int, bound: float | None, overrides: Sequence[str], world: str) -> Setup:
-    """Return what the run of a drawn scenario is made of; arguments and errors as in `drawn_text`.
+    """Return the inputs of the run of a drawn scenario; errors as in `drawn_text`.
 
     Args:
         family: The family.
-        seed: Of the world and of the run.
+        seed: Seed of the world and of the run.
         bound: As in `drawn_text`.
-        overrides: Changes of the scenario, `a.b=value`.
-        world: Which simulator.
+        overrides: Changed values of the scenario, each `a.b=value`.
+        world: Name of the simulator.
     """
     document = read_document(f"{family} {seed}", drawn_text(family, seed, bound), overrides)
     return compose(document, seed, world, rulebook=_rulebook())

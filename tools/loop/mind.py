@@ -1,6 +1,6 @@
-"""The robot's mind: its belief, its reasoner and the geometry between them, the same in a run and in a replay.
+"""The robot's mind: belief, reasoner and geometry; a run and a replay use the same one.
 
-Whoever has a mind feeds it what was told, done and observed; whatever it thinks goes through `emit`, in one order.
+The caller gives it the prior, actions, results and observations. Its messages go through `emit`, in a fixed order.
 """
 
 from collections.abc import Callable
@@ -18,11 +18,11 @@ Emit = Callable[[str, Message], None]  # (topic, message)
 
 
 def _unheard(topic: str, message: Message) -> None:
-    """Take no notice of a message."""
+    """Ignore a message."""
 
 
 class Mind:
-    """Believes and decides; a function of what it is given, without any input beside."""
+    """Updates the belief and decides; a function of its inputs alone."""
 
     def __init__(
         self,
@@ -34,17 +34,17 @@ class Mind:
         emit: Emit = _unheard,
         watch: Stopwatch | None = None,
     ) -> None:
-        """Begin with what the robot is told.
+        """Start with the initial belief.
 
         Args:
-            goal: What the world should be like.
+            goal: The goal of the run.
             rulebook: The rules and the words.
             prior: The initial belief.
             limits: Counts after which the robot gives up.
-            geometry: Answers geometric questions about the belief it is given before each decision.
-            emit: Takes every message of the mind, of the topics /belief, /memory, /geometry, /denotation, /plan,
-                /decision and /action; by default none.
-            watch: Measures estimation and reasoning; by default one of its own.
+            geometry: Answers geometric questions about the belief, which it gets before each decision.
+            emit: Takes every message of the mind, on the topics /belief, /memory, /geometry, /denotation, /plan,
+                /decision and /action; by default messages are dropped.
+            watch: Measures estimation and reasoning; by default a new one.
         """
         self._emit = emit
         self._watch = watch = watch or Stopwatch()
@@ -75,7 +75,7 @@ class Mind:
         self._agent.take_stock()
 
     def decide(self, step: int) -> Turn:
-        """Return the next action or the end of the run, and emit everything thought meanwhile."""
+        """Return the next action or the end of the run, and emit the messages of the decision."""
         with self._watch.part(ESTIMATION):
             snapshot = self._belief.snapshot(step)
         self._emit("/belief", snapshot)
@@ -93,7 +93,7 @@ class Mind:
         return turn
 
     def update(self, action: Action, result: ActionResult, observation: Observation) -> None:
-        """Take in an executed action, what the joints said about it, and what the sensors saw after it."""
+        """Update the belief with an executed action, its result, and the observation after it."""
         with self._watch.part(ESTIMATION):
             self._belief.update(action, result, observation)
 
@@ -102,5 +102,5 @@ class Mind:
         return self._agent.memory(step)
 
     def recall(self, memory: Memory) -> None:
-        """Remember what a recorded mind did at the same decision, instead of what this one does."""
+        """Replace the memory by the one of a recorded mind at the same decision."""
         self._agent.recall(memory)

@@ -1,4 +1,4 @@
-"""The geometry between the reasoner and its planner: every question is recorded with its answer, and timed."""
+"""A geometry that records and times every question to the planner, with its answer."""
 
 from collections.abc import Callable
 from typing import Literal
@@ -12,7 +12,7 @@ Asked = Literal["ready", "approach", "blockers"]
 
 
 def question(kind: Asked, activity: Activity) -> str:
-    """Return a question as the trace writes it."""
+    """Return the text of a question, as the trace records it."""
     return f"{kind} {activity}"
 
 
@@ -25,7 +25,7 @@ class RecordedGeometry:
         self._step, self._version = 0, 0
 
     def sync(self, belief: messages.Belief) -> None:
-        """Take over the believed world."""
+        """Pass on the belief that the next questions are about."""
         self._step, self._version = belief.step, belief.version
         with self._watch.part(MOTION_PLANNING):
             self._geometry.sync(belief)
@@ -45,7 +45,7 @@ class RecordedGeometry:
         return answer
 
     def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return what stands in the way of `activity`."""
+        """Return the objects that block `activity`."""
         with self._watch.part(MOTION_PLANNING):
             found = self._geometry.blockers(activity)
         self._log(question("blockers", activity), blockers=found)

@@ -1,4 +1,4 @@
-"""One run: the loop observe, update, decide, act, every message recorded.
+"""One run: the loop observe, update, decide, act, with every message recorded.
 
 The simulator alone knows the scenario's true world; belief and reasoner get the prior, observations and results.
 """
@@ -26,49 +26,49 @@ from skolem.traces.messages import DROPPED, Action, ActionResult, Observation, R
 
 
 class Watcher(Protocol):
-    """Somebody who wants to see a run while it goes on."""
+    """An observer of a run."""
 
     def believed(self, belief: messages.Belief, tick: int) -> None:
-        """Take notice of the belief before a decision."""
+        """Take the belief before a decision."""
         ...
 
     def decided(self, turn: Turn) -> None:
-        """Take notice of plans and of the next action."""
+        """Take the plans and the next action."""
         ...
 
     def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
-        """Take notice of what became of it."""
+        """Take the action with its result and the observation after it."""
         ...
 
 
 class Unwatched:
-    """Takes no notice of a run. Satisfies `Watcher`."""
+    """A `Watcher` that ignores the run."""
 
     def believed(self, belief: messages.Belief, tick: int) -> None:
-        """Take no notice of the belief."""
+        """Ignore the belief."""
 
     def decided(self, turn: Turn) -> None:
-        """Take no notice of the decision."""
+        """Ignore the decision."""
 
     def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
-        """Take no notice of the action."""
+        """Ignore the action."""
 
 
 @dataclass(slots=True)
 class Outcome:
-    """How a run went.
+    """The result of a run.
 
     Attributes:
-        end: Why it ended; None while it goes on, and if it was cut short.
+        end: Why the run ended; None while it goes on, and if it was cut short.
         verdict: Whether the goal is true in the world; None if the run was cut short.
-        own: Whether it is true of the object that the robot has in mind; None if the run was cut short.
-        actions: Executed actions.
-        replans: How often plans were dropped because what they needed was no longer believed, or found impossible.
-        clingo_calls: Calls of the rules.
+        own: Whether the goal is true of the object that the robot chose; None if the run was cut short.
+        actions: Number of executed actions.
+        replans: How often plans were dropped, because a needed fluent became false or a step was found impossible.
+        clingo_calls: Number of solver calls.
         tick: Simulated time in ticks.
-        seconds: Wall time by part.
-        total_s: Wall time in all.
-        content_hash: Of everything recorded but wall times; empty while no trace is written.
+        seconds: Wall time by part, seconds.
+        total_s: Total wall time, seconds.
+        content_hash: Hash of everything recorded but wall times; empty until the trace is written.
     """
 
     end: RunEnd | None = None
@@ -91,21 +91,21 @@ def run(
     outcome: Outcome | None = None,
     partial: IO[bytes] | None = None,
 ) -> Outcome:
-    """Run the robot until it stops by itself, write the trace to `path`, and return how it went.
+    """Run the robot until it stops by itself, write the trace to `path`, and return the result.
 
-    Whatever is raised meanwhile, the trace is closed with the reason before it goes on.
+    An exception closes the trace with its reason and is raised again.
 
     Args:
-        setup: What the run is made of.
-        path: Where the trace will lie.
+        setup: The inputs of the run.
+        path: Path of the trace.
         watcher: Sees the run while it goes on.
-        watch: Measures it; by default one of its own.
-        outcome: Filled in as the run goes, for who wants it of a run that raises; by default a new one.
-        partial: The partial file of the trace, if somebody has begun it already.
+        watch: Measures the run; by default a new one.
+        outcome: Filled in during the run, so that the caller has it if the run raises; by default a new one.
+        partial: The partial file of the trace, if the caller has begun it already.
 
     Raises:
         InputError: If the trace cannot be begun.
-        UnwrittenError: If it cannot be written to its end.
+        UnwrittenError: If the trace cannot be written to its end.
     """
     watch, outcome = watch or Stopwatch(), outcome or Outcome()
     attachments = {SCENARIO: setup.document.effective_text().encode()}
@@ -125,7 +125,7 @@ def run(
 
 
 class _Run:
-    """The loop, with all that takes part in it."""
+    """The loop of one run."""
 
     def __init__(self, setup: Setup, writer: TraceWriter, watcher: Watcher, watch: Stopwatch, outcome: Outcome) -> None:
         self._setup, self._watcher, self._watch, self._outcome = setup, watcher, watch, outcome
@@ -134,7 +134,7 @@ class _Run:
         self._believed: messages.Belief | None = None
 
     def to_the_end(self) -> None:
-        """Start, loop, judge."""
+        """Build the world, run the loop, and judge the result."""
         self._write("/run/start", run_start(self._setup))
         with self._watch.part(LOADING):
             world = self._world()
@@ -161,7 +161,7 @@ class _Run:
         self._judge(world, step, turn.end)
 
     def _decide(self, mind: Mind, step: int) -> Turn:
-        """Let the robot take one decision, and take notice of it."""
+        """Let the robot take one decision, and count and show it."""
         turn = mind.decide(step)
         self._outcome.replans += sum(plan.cause in DROPPED for plan in turn.plans)
         self._outcome.clingo_calls += sum(decision.clingo_calls for decision in turn.decisions)
@@ -170,14 +170,14 @@ class _Run:
         return turn
 
     def _emit(self, topic: str, message: messages.Message) -> None:
-        """Record what the mind thinks, and show the belief before the decision is taken."""
+        """Record a message of the mind, and show the belief before the decision is taken."""
         self._write(topic, message)
         if isinstance(message, messages.Belief):
             self._believed = message
             self._watcher.believed(message, self._tick())
 
     def _act(self, world: World, mind: Mind, action: Action) -> None:
-        """Execute the action, record what came of it, and take it into the belief."""
+        """Execute the action, record result and observation, and update the belief with them."""
         step = action.step
         for name, world_T_object in moves_before(self._setup.scenario, self._setup.types, step):
             world.disturb(name, world_T_object)
@@ -192,7 +192,7 @@ class _Run:
         self._close_step(step)
 
     def _judge(self, world: World, step: int, end: RunEnd) -> None:
-        """Compare what the robot believes with the truth, and record both."""
+        """Record whether the goal is true in the world, and then the end of the run."""
         setup = self._setup
         state, rulebook = world.state(step), setup.rulebook
         self._outcome.verdict = verdict(setup.goal, rulebook, state, setup.types)
@@ -215,7 +215,7 @@ class _Run:
             self._writer.write(topic, message, self._tick())
 
     def _world(self) -> World:
-        """Build the true world; nothing but it is given the truth."""
+        """Build the true world; nothing else gets the truth."""
         setup, types = self._setup, self._setup.types
         robot = setup.scenario.robot
         start = WorldStart(

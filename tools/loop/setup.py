@@ -1,4 +1,4 @@
-"""What a run is made of: a scenario and the rules, read and found without fault."""
+"""The inputs of a run: a scenario and the rules, read and checked."""
 
 import hashlib
 from collections.abc import Collection, Sequence
@@ -19,14 +19,14 @@ from skolem.traces.messages import ObjectType, RunStart
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """Everything a run is made of, read and found without fault.
+    """The inputs of a run, read and checked.
 
     Attributes:
         document: The scenario file.
-        scenario: The same, checked.
-        rulebook: The rules, with the scenario's own.
+        scenario: The checked scenario.
+        rulebook: The rules that ship and the scenario's own.
         goal: The scenario's goal.
-        seed: Of every draw.
+        seed: Seed of every random draw.
         world: The kind of world to run in.
         images: Whether camera images are recorded.
         profile: Whether wall times are recorded.
@@ -88,7 +88,7 @@ def compose(
         world: The kind of world to run in, or its name.
         images: Whether camera images are recorded.
         profile: Whether wall times are recorded.
-        rulebook: The rules, if they were read already; None for those that ship and the scenario's own.
+        rulebook: The rules, if they were read already; by default those that ship and the scenario's own are read.
 
     Raises:
         InputError: With every fault found.
@@ -110,13 +110,13 @@ def rules_of(document: Document) -> Rulebook:
     """
     own = [rules for rules in document.rules if rules.is_file()]
     rulebook = load_rules(own)
-    if own:  # of those that ship a test says that they are right
+    if own:  # a test checks the rules that ship
         refuse_wrong(rulebook)
     return rulebook
 
 
 def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
-    """Return the scenario of a document and its goal, read with some rules.
+    """Return the scenario of a document and its goal, read with a rulebook.
 
     Raises:
         InputError: With every fault found.
@@ -139,7 +139,7 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
 
 
 def run_start(setup: Setup) -> RunStart:
-    """Return what a run is made of, as its trace begins."""
+    """Return the start of a run, as its trace records it."""
     return RunStart(
         scenario=setup.scenario.name,
         scenario_sha256=hashlib.sha256(setup.document.effective_text().encode()).hexdigest(),

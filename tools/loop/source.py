@@ -1,4 +1,4 @@
-"""Which program a run was computed by: a hash over the files that decide what happens in it."""
+"""The hash of the program that computes a run, over the files that decide what happens in it."""
 
 import hashlib
 from pathlib import Path
@@ -27,5 +27,5 @@ def source_sha256(root: Path) -> str:
     return digest.hexdigest()
 
 
-# taken once, on import: what a long-lived process runs is what it has loaded, not what has been saved since
+# computed once, on import: a long-lived process runs the files that it has loaded, not those saved since
 SOURCE_SHA256: Final = source_sha256(Path(__file__).parents[2])

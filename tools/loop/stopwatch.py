@@ -11,7 +11,7 @@ PARTS = (SENSING, ESTIMATION, REASONING, MOTION_PLANNING, PHYSICS, RECORDING, LO
 
 
 class Stopwatch:
-    """Adds up the seconds spent in named parts; a part inside another stops the other meanwhile."""
+    """Adds up the seconds spent in named parts; an inner part pauses the outer one."""
 
     def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
         """Start with no time in any part.
@@ -27,7 +27,7 @@ class Stopwatch:
 
     @contextmanager
     def part(self, name: str) -> Iterator[None]:
-        """Count the block's time for a part."""
+        """Add the block's time to a part."""
         self._charge()
         self._open.append(name)
         try:
@@ -42,7 +42,7 @@ class Stopwatch:
         return dict(self._seconds)
 
     def total(self) -> float:
-        """Return the seconds since the start, in parts or not."""
+        """Return the seconds since the start, inside and outside parts."""
         return self._clock() - self._begun
 
     def _charge(self) -> None:

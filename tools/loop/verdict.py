@@ -1,6 +1,6 @@
-"""Whether a goal holds in the true world: the truth, queried as a belief that is certain of everything.
+"""The verdict whether a goal holds in the true world. The truth is queried as a belief that is certain of everything.
 
-So the very denotation that the robot reasons with is evaluated, with probabilities 0 and 1.
+So the robot's own denotation is evaluated, with probabilities 0 and 1.
 """
 
 import math
@@ -28,13 +28,13 @@ from skolem.traces.messages.poses import compose4, flat, inverse4, raised
 
 
 class Truth(PlainBelief):
-    """Answers the questions asked of a belief from what is so; sensors and regions are never asked about.
+    """Answers the questions to a belief from the true state; questions about sensors and regions never come.
 
-    The robot may be told of what does not exist: that has no property and stands nowhere.
+    The prior may name an object that does not exist: it has no property and stands nowhere.
     """
 
     def __init__(self, state: TrueState, types: Mapping[str, ObjectType]) -> None:
-        """Take over a true state."""
+        """Answer from a true state."""
         self._objects = {item.id: item for item in state.objects}
         self._types = types
         self._world_T_base = raised(state.world_T_base)
@@ -42,11 +42,11 @@ class Truth(PlainBelief):
 
     @property
     def version(self) -> int:
-        """The step of the state: another state, another truth."""
+        """The step of the state, which changes whenever the truth may change."""
         return self._version
 
     def anchors(self) -> tuple[str, ...]:
-        """Every object there is."""
+        """Every true object."""
         return tuple(self._objects)
 
     def prob_property(self, anchor: str, meaning: Meaning) -> float:
@@ -54,7 +54,7 @@ class Truth(PlainBelief):
         return float(anchor in self._objects and _has(self._objects[anchor], meaning))
 
     def prob_on(self, anchor: str, support: str) -> float:
-        """1 if the object rests wholly on the top of `support`."""
+        """1 if the object stands wholly on the top of `support`."""
         item, under = self._objects.get(anchor), self._objects.get(support)
         if item is None or under is None or item.in_hand is not None or item.on != support:
             return 0.0
@@ -63,11 +63,11 @@ class Truth(PlainBelief):
         return float(overhang(inner, outer) <= 0.0)
 
     def support(self, anchor: str) -> str | None:
-        """What the object rests on."""
+        """The support of the object."""
         return self._objects[anchor].on if anchor in self._objects else None
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """1 if the middles of two objects are at most so far apart."""
+        """1 if the centres of two objects are at most `distance_m` apart."""
         if anchor not in self._objects or other not in self._objects:
             return 0.0
         (x, y, *_), (u, v, *_) = self._objects[anchor].world_T_object, self._objects[other].world_T_object
@@ -92,7 +92,7 @@ class Truth(PlainBelief):
 
 
 def verdict(goal: Goal, rulebook: Rulebook, state: TrueState, types: Mapping[str, ObjectType]) -> Verdict:
-    """Return whether the goal holds of the true state, and of which object."""
+    """Return whether the goal holds in the true state, and for which object."""
     witness = achieved_by(goal, rulebook, Truth(state, types))
     return Verdict(true=witness is not None, witness=witness or None)
 
@@ -105,17 +105,18 @@ def own_makes_it_true(
     belief: Belief,
     anchor: str | None,
 ) -> bool:
-    """Return whether the goal is true of the very object that the robot has in mind, and not of another one alone.
+    """Return whether the goal is true of the object that the robot chose, and not only of another one.
 
-    Of a goal with several variables the first described object counts; one without variables is nobody else's.
+    In a goal with several variables the first described object counts; a goal without variables is true or false of
+    no object in particular.
 
     Args:
-        goal: What was to be achieved.
+        goal: The goal of the run.
         rulebook: The rules.
         state: The true state at the end.
         types: Every object type.
         belief: The last belief of the run.
-        anchor: What the robot has in mind; None if that is nothing.
+        anchor: The robot's chosen object; None if it chose none.
     """
     achieving = all_achieving(goal, rulebook, Truth(state, types))
     if not goal.variables or "" in achieving:
@@ -126,8 +127,8 @@ def own_makes_it_true(
 def meant_by(anchor: str, belief: Belief, state: TrueState, types: Mapping[str, ObjectType]) -> str | None:
     """Return the true object that an anchor stands for; None if there is none.
 
-    A name that was given from outside stands for what has it. The robot's own names stand for the thing that can be
-    lifted and is nearest to where the robot believes its object to be.
+    An anchor of the prior stands for the true object of that name. An anchor that the robot made stands for the object
+    that can be lifted and is nearest to the believed position.
     """
     names = {item.id for item in state.objects}
     if anchor in names or anchor not in belief.objects:

@@ -1,7 +1,7 @@
-"""Worlds by name: how the true world of each kind is built, and what plans motions in it.
+"""Worlds by name: for each kind, the builder of the true world and its motion planner.
 
-An installed package brings a world of its own by an entry point of the group `skolem.worlds`: its name is the one that
-`--world` takes, its value is a `WorldKind`. A script that needs no name for others hands its `WorldKind` to `prepare`.
+An installed package adds a world by an entry point of the group `skolem.worlds`: the name of the entry point is the one
+that `--world` takes, its value is a `WorldKind`. A script can also give its own `WorldKind` to `prepare`.
 """
 
 import difflib
@@ -27,11 +27,11 @@ from skolem.traces.messages import (
     TrueState,
 )
 
-GROUP: Final = "skolem.worlds"  # of entry points
+GROUP: Final = "skolem.worlds"  # name of the group of entry points
 
 
 class World(Protocol):
-    """What actions are executed in."""
+    """A simulator or robot that executes actions."""
 
     @property
     def tick(self) -> int:
@@ -39,48 +39,48 @@ class World(Protocol):
         ...
 
     def robot_state(self) -> RobotState:
-        """Return what the encoders say."""
+        """Return the readings of the encoders."""
         ...
 
     def state(self, step: int) -> TrueState:
-        """Return the truth."""
+        """Return the true state."""
         ...
 
     def disturb(self, object_id: str, world_T_object: Pose4) -> None:
-        """Move an object from outside."""
+        """Move an object without the robot."""
         ...
 
     def execute(self, action: Action) -> tuple[ActionResult, Observation]:
-        """Carry out an action."""
+        """Carry out an action; return its result and the observation after it."""
         ...
 
     def close(self) -> None:
-        """Free what the world holds."""
+        """Free the resources of the world."""
         ...
 
 
 class Planner(Geometry, Protocol):
-    """A geometry that holds something, such as a physics client, until it is closed."""
+    """A geometry with resources, such as a physics client, that `close` frees."""
 
     def close(self) -> None:
-        """Free what it holds."""
+        """Free the resources."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class WorldStart:
-    """What a true world is built from.
+    """The inputs from which a true world is built.
 
     Attributes:
         types: Shape and size of every object type, by name.
-        bodies: What is really there.
-        world_T_base: Where the robot stands.
-        torso_m: How high its torso is.
-        noise: How its sensors and motions err.
-        believed_noise: What the robot believes of that.
-        seed: Of every draw.
+        bodies: The true bodies.
+        world_T_base: True pose of the robot's base: metres, radians.
+        torso_m: Height of the torso lift.
+        noise: True noise of sensors and motion.
+        believed_noise: The robot's noise model.
+        seed: Seed of every random draw.
         images: Whether camera images are recorded.
-        record: Records a protobuf message of the world's own, such as an image, on a topic.
+        record: Records a protobuf message of this world, such as an image, on a topic.
     """
 
     types: Mapping[str, ObjectType]
@@ -104,12 +104,12 @@ class WorldKind:
     """One kind of world: the simulator or robot that a run takes place in.
 
     Attributes:
-        name: What `--world` and the trace call it: a letter, then letters, digits and any of `_.-`.
-        build: Builds the true world; nothing else is told the truth.
-        planner: Makes what answers the reasoner's geometric questions from the belief alone, given the object types
-            and the run's seed.
-        robot_sha256: Hashes the files of the robot's model; empty if there are none.
-        camera: Whether there are images to record.
+        name: Its name for `--world` and in traces: a letter, then letters, digits and any of `_.-`.
+        build: Builds the true world; nothing else gets the truth.
+        planner: Makes the planner, which answers geometric questions from the belief alone, for object types and the
+            seed of the run.
+        robot_sha256: Hashes the files of the robot's model; empty if it has none.
+        camera: Whether the world has images to record.
     """
 
     name: str
@@ -120,19 +120,19 @@ class WorldKind:
 
 
 def names() -> list[str]:
-    """Return the names of every world that is installed, sorted."""
+    """Return the names of all installed worlds, sorted."""
     return sorted({*SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
 
 
 def named(name: str, asked: str = "--world") -> WorldKind:
-    """Return the world of a name; those that ship come first.
+    """Return the world of a name; worlds that ship come first.
 
     Args:
         name: The name.
-        asked: What names the world: the flag, or a trace.
+        asked: The flag or the trace that names the world, for the error.
 
     Raises:
-        InputError: If no such world is installed, or the one that is cannot be used.
+        InputError: If no such world is installed, or it cannot be used.
     """
     if name in SHIPPED:
         return SHIPPED[name]

@@ -1,3 +1,3 @@
-"""A recorded run as a replay reads it, and the mind that thinks it again. May import: loop, traces.compare."""
+"""A recorded run as a replay reads it, and the mind that decides again. May import: loop, traces.compare."""
 
 __all__ = ()

@@ -1,4 +1,4 @@
-"""What two runs differ in: in words, and as fields of `--json`."""
+"""The differences of two runs, in words and as fields of `--json`."""
 
 from dataclasses import asdict
 

@@ -1,11 +1,11 @@
-"""Whether two machines compute the same floats, as far as a trace tells."""
+"""A check, by what a trace records, whether two machines compute the same floats."""
 
 from collections.abc import Mapping
 from typing import Final
 
 from skolem.traces.file.environment import environment
 
-DECIDES_FLOATS: Final = (  # what may change the last digits of what the mind computes
+DECIDES_FLOATS: Final = (  # entries of the environment that may change the last digits of computed numbers
     "python",
     "system",
     "machine",
@@ -23,6 +23,6 @@ DECIDES_FLOATS: Final = (  # what may change the last digits of what the mind co
 
 
 def differences(recorded: Mapping[str, str]) -> list[str]:
-    """Return what is different here from the machine and the libraries of a run; empty if floats must be equal."""
+    """Return how this machine and its libraries differ from those of a run; empty if floats must be equal."""
     here = environment()
     return [key for key in DECIDES_FLOATS if recorded.get(key, "") != here.get(key, "")]

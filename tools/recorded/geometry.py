@@ -1,4 +1,4 @@
-"""Geometric answers out of a trace: the same questions about the same beliefs, without a planner."""
+"""Geometric answers from a trace, without a planner: the same questions about the same beliefs."""
 
 from collections.abc import Callable, Iterable
 
@@ -9,19 +9,19 @@ from skolem.traces.messages import Activity, Belief, Command, Geometry, MoveBase
 
 
 class NotRecordedError(SkolemError):
-    """A geometric question to which the trace has no answer, and nothing else has."""
+    """A geometric question has no answer in the trace, and there is no planner."""
 
 
 class RecalledGeometry:
-    """Answers as the trace does; where it is silent, as a planner does, if there is one.
+    """Answers geometric questions from the trace; a planner, if given, answers those that are not recorded.
 
     Attributes:
-        unanswered: The question for which `NotRecordedError` was raised; None as long as it was not.
-        planned: How many questions the planner answered.
+        unanswered: The question for which `NotRecordedError` was raised; None if it was not raised.
+        planned: Number of questions that the planner answered.
     """
 
     def __init__(self, planner: Callable[[], Planner] | None = None, recall: bool = True) -> None:
-        """Know no answers yet.
+        """Start without recorded answers.
 
         Args:
             planner: Makes the planner at the first question that the trace does not answer; None: such a question
@@ -37,11 +37,11 @@ class RecalledGeometry:
         self._known: dict[str, Geometry] = {}
 
     def take(self, answers: Iterable[Geometry]) -> None:
-        """Take over the recorded answers about the next belief."""
+        """Keep the recorded answers about the next belief."""
         self._known = {answer.query: answer for answer in answers} if self._recall else {}
 
     def sync(self, belief: Belief) -> None:
-        """Take over the believed world."""
+        """Keep the belief that the next questions are about."""
         self._belief, self._synced = belief, False
 
     def ready(self, activity: Activity) -> Command | None:
@@ -57,7 +57,7 @@ class RecalledGeometry:
         return known.answer if isinstance(known.answer, MoveBase) else None
 
     def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return what stands in the way of `activity`."""
+        """Return the objects that block `activity`."""
         known = self._known.get(question("blockers", activity))
         return self._ask("blockers", activity).blockers(activity) if known is None else known.blockers or ()
 

@@ -1,4 +1,4 @@
-"""A recorded run, thought again: what was sensed goes in, everything that was thought must come out again."""
+"""Replay of a recorded run: the mind gets the recorded observations and must make the recorded decisions again."""
 
 from collections.abc import Mapping
 from contextlib import closing
@@ -23,10 +23,10 @@ class Options:
 
     Attributes:
         tolerance: How far floats may lie apart.
-        from_step: The first decision that is taken again.
-        re_anchor: Whether the reasoner recalls the recorded memory before every decision, so that each step that
+        from_step: The first decision to take again.
+        re_anchor: Whether the reasoner recalls the recorded memory before every decision, so that every step that
             diverges by itself is found.
-        plan_motions: Whether geometric questions are answered by the planner anew, instead of by the trace.
+        plan_motions: Whether the planner answers geometric questions, instead of the trace.
         keep_all: Whether every divergence is kept.
     """
 
@@ -39,17 +39,17 @@ class Options:
 
 @dataclass(slots=True)
 class Replayed:
-    """How a replay went.
+    """The result of a replay.
 
     Attributes:
-        comparison: Of what was thought then and now.
-        decisions: How many were taken again.
-        simulated_s: Simulated time of the run up to the last of them.
+        comparison: Comparison of the recorded and the new messages.
+        decisions: Number of decisions taken again.
+        simulated_s: Simulated time of the run up to the last of them, seconds.
         seconds: Wall time of the replay.
-        recorded_s: Wall time of the run; None if it was not recorded.
+        recorded_s: Wall time of the run, seconds; None if it was not recorded.
         ended: Whether the trace has the end of the run.
-        stopped: Why the replay ended before the trace did; empty if it did not.
-        other_end: That the run ended in an error, and thinking it again does not; empty if there is nothing to say.
+        stopped: Why the replay stopped before the end of the trace; empty if it did not.
+        other_end: A sentence if the run ended in an error and the replay does not; empty otherwise.
     """
 
     comparison: Comparison
@@ -63,20 +63,20 @@ class Replayed:
 
     @property
     def identical(self) -> bool:
-        """Whether everything was thought again as it is recorded."""
+        """Whether the replay agrees with the record in everything."""
         return self.comparison.identical
 
 
 def replay(
     run: RecordedRun, options: Options, watch: Stopwatch | None = None, rulebooks: Rulebooks | None = None
 ) -> Replayed:
-    """Think a run again, and return how what comes out compares with what is recorded.
+    """Replay a run and compare the new messages with the recorded ones.
 
     Args:
-        run: The record.
-        options: What to replay of it, and how to compare.
-        watch: Measures it; by default one of its own.
-        rulebooks: Of other runs that were replayed before; runs with the same rules share them.
+        run: The recorded run.
+        options: What to replay, and how to compare.
+        watch: Measures the replay; by default a new one.
+        rulebooks: Rules of runs that were replayed before; runs with the same rules share them.
 
     Raises:
         InputError: If rules or goal are wrong, there is no such decision, its memory is not recorded, or motions are to
@@ -101,7 +101,7 @@ def replay(
 
 
 def given_in(run: RecordedRun, rulebooks: Rulebooks | None = None, rules: Mapping[str, bytes] | None = None) -> Given:
-    """Return what the mind of a run was made of, from its trace alone, or with other rule files.
+    """Return the inputs of a run's mind, from its trace alone or with other rule files.
 
     Raises:
         InputError: If the rules or the goal are not sound for this version of the product.
@@ -116,16 +116,16 @@ def given_in(run: RecordedRun, rulebooks: Rulebooks | None = None, rules: Mappin
 
 
 def same_act(a: Action, b: Action) -> bool:
-    """Return whether two actions do the same, be it on another path or elsewhere."""
+    """Return whether two actions are the same operation, even on another path or elsewhere."""
     return (a.op, a.command.kind) == (b.op, b.command.kind)
 
 
 def other_end(recorded: RunEnd | None, failure: str) -> str:
-    """Return in words that a run ended in an error, and doing it again does not; empty if there is nothing to say.
+    """Return a sentence if a run ended in an error and its repetition does not; empty otherwise.
 
     Args:
-        recorded: How it ended.
-        failure: The error in which it ends now; empty if in none.
+        recorded: The recorded end; None if there is none.
+        failure: The error that ends the repetition; empty if there is none.
     """
     if recorded is None or recorded.status != "error" or failure == recorded.reason:
         return ""
@@ -141,7 +141,7 @@ def _geometry(run: RecordedRun, options: Options) -> RecalledGeometry:
 
 
 def _rethink(mind: Rethinking, recorded: RecordedStep, options: Options, replayed: Replayed) -> None:
-    """Take one decision again, compare, and take in what came of it; or note why that cannot be."""
+    """Take one decision again, compare it, and go on to the next; or note why the replay stops."""
     if options.re_anchor or recorded.step == options.from_step > 0:
         mind.recall(recorded)
     thought = mind.decide(recorded)
@@ -161,13 +161,13 @@ def _rethink(mind: Rethinking, recorded: RecordedStep, options: Options, replaye
 
 
 def _failure(thought: Thought) -> str:
-    """Return the error in which a decision ended: none if it only asked further than the record goes."""
+    """Return the error that ended a decision; empty if the decision only asked a question that is not recorded."""
     asks = bool(thought.messages) and thought.messages[-1].topic == "/geometry"
     return "" if asks else thought.failure
 
 
 def _go_on(mind: Rethinking, action: Action, recorded: RecordedStep) -> str:
-    """Take in what came of an action; return why that failed, where the run failed too: empty if it did not."""
+    """Take in the recorded result of an action; return the error if it fails where the run failed too, else empty."""
     try:
         mind.go_on(action, recorded)
     except Exception as error:
@@ -178,7 +178,7 @@ def _go_on(mind: Rethinking, action: Action, recorded: RecordedStep) -> str:
 
 
 def _comparable(recorded: RecordedStep, thought: Thought) -> tuple[list[Recorded], list[Recorded]]:
-    """Return what was recorded and what was thought; the record of a run that was cut short ends anywhere."""
+    """Return the recorded and the new messages; those after the end of a run that was cut short are left out."""
     end = recorded.end
     if not recorded.last or (end is not None and end.status not in CUT_SHORT):
         return recorded.messages, thought.messages

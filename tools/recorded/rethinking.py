@@ -1,4 +1,4 @@
-"""A mind that lives through a recorded run: it is told, and meets, what is recorded, and thinks for itself."""
+"""A mind that decides again in a recorded run: it gets the recorded prior and observations."""
 
 from dataclasses import dataclass
 
@@ -16,10 +16,10 @@ from skolem.traces.messages import CLASS_OF, INPUT, Action, Chain, Geometry, Lim
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """What a mind is made of.
+    """The inputs of a mind.
 
     Attributes:
-        goal: What the world should be like.
+        goal: The goal of the run.
         rulebook: The rules and the words.
         told: The initial belief.
         limits: Counts after which the robot gives up.
@@ -33,12 +33,12 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class Thought:
-    """What a mind thought at one decision of a recorded run.
+    """The result of taking one decision of a recorded run again.
 
     Attributes:
-        messages: Everything, as it would have been recorded.
-        turn: What it decided; None if it could not.
-        failure: Why it could not; empty if it could.
+        messages: All messages of the decision, as a run would record them.
+        turn: The decision; None if it failed.
+        failure: Why it failed; empty if it did not.
     """
 
     messages: list[Recorded]
@@ -47,47 +47,47 @@ class Thought:
 
     @property
     def action(self) -> Action | None:
-        """What it would do; None at the end, and if it could not decide."""
+        """The chosen action; None at the end of the run, and if the decision failed."""
         return None if self.turn is None else self.turn.action
 
     @property
     def outcome(self) -> str:
-        """What it decided, as people read it."""
+        """The decision in words."""
         if self.turn is None:
             return f"a failure ({self.failure})"
         return self.turn.action.op if self.turn.action is not None else end_text(self.turn.end)
 
 
 def end_text(end: RunEnd | None) -> str:
-    """Return the end of a run as people read it."""
+    """Return the end of a run in words."""
     assert end is not None, "a decision is an action or an end"
     return f"the end, {end.status}{f' ({end.anchor})' if end.anchor else ''}"
 
 
 class Rethinking:
-    """A mind, and the record that it lives through."""
+    """A mind, and the recorded run that it goes through."""
 
     def __init__(
         self, run: RecordedRun, given: Given, geometry: RecalledGeometry, watch: Stopwatch | None = None
     ) -> None:
-        """Begin where the run began.
+        """Start at the beginning of the run.
 
         Args:
-            run: The record.
-            given: What the mind is made of.
-            geometry: Answers its questions.
-            watch: Measures its parts, if it is given.
+            run: The recorded run.
+            given: The inputs of the mind.
+            geometry: Answers the mind's geometric questions.
+            watch: Measures the parts of the mind; by default a new one.
         """
         self._run, self._geometry = run, geometry
-        self._held: frozenset[bytes] = frozenset()  # of the decision at hand
+        self._held: frozenset[bytes] = frozenset()  # recorded messages of the present decision
         self._thought: list[tuple[str, bytes]] = []
         self._mind = Mind(given.goal, given.rulebook, given.told, given.limits, geometry, self._emit, watch)
 
     def recall(self, recorded: RecordedStep) -> None:
-        """Remember what the recorded reasoner did at this decision.
+        """Give the mind the recorded memory of this decision.
 
         Raises:
-            InputError: If that is not recorded.
+            InputError: If the memory is not recorded.
         """
         if recorded.memory is None:
             raise InputError(
@@ -115,7 +115,7 @@ class Rethinking:
         return Thought(self._messages(recorded, turn), turn, failure)
 
     def go_on(self, action: Action, recorded: RecordedStep) -> None:
-        """Take in what came of the recorded action, as of `action`."""
+        """Take in the recorded result and observation as those of `action`."""
         if recorded.met is not None:
             self._mind.update(action, *recorded.met)
 
@@ -125,7 +125,7 @@ class Rethinking:
             self._thought.append((topic, data))
 
     def _note(self, recorded: RecordedStep, failure: str) -> None:
-        """Note why a decision could not be taken: as a question, or as the recorder writes the end of a failed run."""
+        """Note why a decision failed: the open question, or the end that the recorder writes for a failed run."""
         if self._geometry.unanswered is not None:
             version = 0 if recorded.belief is None else recorded.belief.version
             asked = Geometry(step=recorded.step, query=self._geometry.unanswered, belief_version=version)
@@ -137,7 +137,7 @@ class Rethinking:
             self._emit("/run/end", end)
 
     def _messages(self, recorded: RecordedStep, turn: Turn | None) -> list[Recorded]:
-        """Return the thoughts, and the record around them: what was met, the hash chain over both, the end."""
+        """Return the new messages among the recorded inputs, with the hash chain over both and the end."""
         tick = recorded.messages[0].tick
         found = [Recorded(topic, tick, 0, data) for topic, data in self._thought]
         if turn is None:

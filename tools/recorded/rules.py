@@ -1,4 +1,4 @@
-"""The rules of a recorded run, as they are attached to its trace or with some files replaced."""
+"""The rules of a recorded run: the attachments of its trace, with some files replaced if asked."""
 
 import re
 import tempfile
@@ -15,12 +15,12 @@ from skolem.traces.file.made_of import RULES
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """How rule files from elsewhere lie over those of a trace, by file name.
+    """The effect of a user's rule files on those of a trace, by file name.
 
     Attributes:
-        changed: Replaced by another text.
-        added: Beside those of the trace.
-        kept: Not among the others, so taken from the trace: a file that was deleted, or is called otherwise now.
+        changed: Files with another text.
+        added: Files that the trace does not have.
+        kept: Files of the trace that the user does not have: perhaps deleted, or renamed.
     """
 
     changed: tuple[str, ...]
@@ -29,7 +29,7 @@ class Overlay:
 
     @classmethod
     def of(cls, attachments: Mapping[str, bytes], replaced: Mapping[str, bytes]) -> "Overlay":
-        """Compare the files that are to be taken instead or beside with those of a trace."""
+        """Compare the user's files with those of a trace."""
         own = _attached(attachments)
         changed = sorted(name for name in own.keys() & replaced.keys() if own[name] != replaced[name])
         added, kept = sorted(replaced.keys() - own.keys()), sorted(own.keys() - replaced.keys())
@@ -51,13 +51,13 @@ def rulebook_of(attachments: Mapping[str, bytes]) -> Rulebook:
 
 
 class Rulebooks:
-    """The rules of recorded runs; runs with the same rule files share them, which saves half of the work."""
+    """A cache of the rules of recorded runs; runs with the same files share them, which saves half of the work."""
 
     def __init__(self, folder: Path | None = None) -> None:
-        """Know none yet.
+        """Start with an empty cache.
 
         Args:
-            folder: Where files that are taken instead or beside lie, as faults name them; None: as those of the trace.
+            folder: Folder of the user's files, which faults name; None: faults name them as files of the trace.
         """
         self._folder = RULES if folder is None else f"{folder}/"
         self._known: dict[tuple[tuple[str, bytes], ...], Rulebook] = {}
@@ -66,8 +66,8 @@ class Rulebooks:
         """Return the rules of a run.
 
         Args:
-            attachments: Of its trace.
-            replaced: File name to content, of the files that are to be taken instead or beside.
+            attachments: Attachments of its trace.
+            replaced: File name to content of the files that replace others or are added.
 
         Raises:
             InputError: With every fault in every file.
@@ -83,14 +83,14 @@ class Rulebooks:
                 hints = self._hints(error.faults, Overlay.of(attachments, replaced).kept if replaced else ())
                 raise InputError([*error.faults, *hints]) from error
             if replaced:
-                from skolem.reasoner.lint.wrong_rules import refuse_wrong  # takes time, and other replays do without
+                from skolem.reasoner.lint.wrong_rules import refuse_wrong  # slow to import; other replays need it not
 
                 refuse_wrong(rulebook)
             self._known[key] = rulebook
         return self._known[key]
 
     def _hints(self, faults: Sequence[Fault], kept: Sequence[str]) -> Iterator[Fault]:
-        """Yield where a faulty file comes from that one may think to be gone, and how to do without it."""
+        """Yield a hint for each faulty file that only the trace has: where it comes from, and how to leave it out."""
         for name in kept:
             if any(RULES + name in (fault.file, *re.findall(r"[^\s:]+", fault.message)) for fault in faults):
                 said = f"is not there, so it is taken from the trace as {RULES}{name}; an empty file leaves it out"
@@ -103,13 +103,13 @@ def _attached(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
 
 
 def _read(files: Mapping[str, bytes], titles: Mapping[str, str]) -> Rulebook:
-    """Return the rules in files, whose titles faults give instead of where clingo reads them."""
+    """Return the rules in `files`; faults name them by their titles, not by the paths that clingo reads."""
     shipped = [f"{name}.lp" for name in RULE_FILES]
     order = [*(name for name in shipped if name in files), *sorted(files.keys() - set(shipped))]
     with tempfile.TemporaryDirectory() as folder:  # clingo reads files
         sources = []
         for number, name in enumerate(order):
-            path = Path(folder) / f"{number}.lp"  # whatever a trace says that a file is called, it is written here
+            path = Path(folder) / f"{number}.lp"  # a name from a trace must not decide the path
             path.write_bytes(files[name])
             sources.append(
                 RuleFile(name.removesuffix(".lp"), titles[name], str(path), files[name], name not in shipped)
@@ -121,7 +121,7 @@ def _read(files: Mapping[str, bytes], titles: Mapping[str, str]) -> Rulebook:
 
 
 def _retold(fault: Fault, sources: Sequence[RuleFile]) -> Fault:
-    """Return a fault whose message names other files by their titles too."""
+    """Return a fault whose message, too, names files by their titles."""
     for source in sources:
         fault = replace(fault, message=fault.message.replace(source.path, source.title))
     return fault
@@ -131,7 +131,7 @@ def files_in(folder: Path) -> dict[str, bytes]:
     """Return the rule files of a folder by name.
 
     Raises:
-        InputError: If there are none, or one cannot be read.
+        InputError: If there is no rule file, or one cannot be read.
     """
     try:
         found = {path.name: path.read_bytes() for path in sorted(folder.glob("*.lp"))}

@@ -1,4 +1,4 @@
-"""A recorded run, as a replay reads it: what the robot was told, and step by step what it thought and met."""
+"""A recorded run as a replay reads it: the prior, and step by step the decisions and observations."""
 
 import re
 from collections.abc import Collection, Iterator
@@ -32,20 +32,20 @@ from skolem.traces.messages import (
 )
 
 DECISIONS = tuple(topic for topic in JSON_TOPICS if counter_of(topic) == "decision")
-CUT_SHORT = ("error", "interrupted")  # ends that the recorder wrote, not the mind
+CUT_SHORT = ("error", "interrupted")  # ends that the recorder writes, not the mind
 
 M = TypeVar("M", bound=Message)
 
 
 @dataclass(frozen=True)
 class RecordedStep:
-    """One decision of a recorded run, and what came of it.
+    """One decision of a recorded run, with its result.
 
     Attributes:
-        step: Its number.
-        messages: INPUT and DERIVED, in file order.
-        link: The hash chain before it.
-        last: Whether no other follows.
+        step: Number of the decision.
+        messages: INPUT and DERIVED messages, in file order.
+        link: The hash chain before the decision.
+        last: Whether this is the last decision of the trace.
     """
 
     step: int
@@ -64,12 +64,12 @@ class RecordedStep:
 
     @cached_property
     def action(self) -> Action | None:
-        """What was decided; None at the end of the run, or if it was cut short."""
+        """The chosen action; None at the end of the run, or if it was cut short."""
         return self.the(Action)
 
     @cached_property
     def met(self) -> tuple[ActionResult, Observation] | None:
-        """What came of the action; None if nothing did."""
+        """The result of the action and the observation after it; None if they are not recorded."""
         result, observation = self.the(ActionResult), self.the(Observation)
         return None if result is None or observation is None else (result, observation)
 
@@ -80,12 +80,12 @@ class RecordedStep:
 
     @property
     def belief(self) -> Belief | None:
-        """What was believed before the decision."""
+        """The belief before the decision; None if it is not recorded."""
         return self.the(Belief)
 
     @property
     def memory(self) -> Memory | None:
-        """What the reasoner remembered before the decision; None in traces of older versions."""
+        """The reasoner's memory before the decision; None in traces of older versions."""
         return self.the(Memory)
 
     @property
@@ -99,7 +99,7 @@ class RecordedRun:
 
     Attributes:
         path: The trace.
-        start: What the run was made of.
+        start: The recorded start of the run.
         told: The initial belief.
     """
 
@@ -107,7 +107,7 @@ class RecordedRun:
         """Open a trace.
 
         Raises:
-            TraceError: If it cannot be read, does not begin as a run, or holds other files than its run had.
+            TraceError: If the trace cannot be read, does not begin as a run, or holds other files than its run had.
         """
         self.path = path
         self._trace = Trace(path)
@@ -137,12 +137,14 @@ class RecordedRun:
         return self._trace.metadata.get("env", {})
 
     def encoded(self, topic: str, message: Message, held: Collection[bytes] = ()) -> bytes | None:
-        """Return a message as this trace would hold it: without what its version did not know; None if not at all.
+        """Return a message as this trace would hold it: without fields that its version does not know.
+
+        None if its version does not record such a message.
 
         Args:
-            topic: Where it would be.
-            message: What was thought.
-            held: What the trace does hold, as far as it is at hand: whatever is among it, its version did know.
+            topic: Topic of the message.
+            message: A new message.
+            held: Recorded messages, if they are at hand: a message among them needs no change.
         """
         if topic not in self._known:
             return None
@@ -159,7 +161,7 @@ class RecordedRun:
         """Yield every decision in order.
 
         Raises:
-            TraceError: If there is none, or messages are missing.
+            TraceError: If there is no decision, or messages are missing.
         """
         groups = self._groups()
         next(groups)
@@ -172,7 +174,7 @@ class RecordedRun:
             link, group = self._link_of(group), following
 
     def wall_seconds(self) -> float | None:
-        """Return how long the run took; None if its wall times were not recorded."""
+        """Return the duration of the run in seconds of wall time; None if wall times were not recorded."""
         recorded = self._trace.last("/perf")
         last = None if recorded is None else recorded.message
         return last.milliseconds["total"] / 1e3 if isinstance(last, Perf) else None
@@ -189,7 +191,7 @@ class RecordedRun:
         return by_step(self._decisions())
 
     def _decisions(self) -> Iterator[Recorded]:
-        """Yield the messages that a replay reads or makes; a gap in them is a gap in what the mind was given."""
+        """Yield the INPUT and DERIVED messages; a gap in them is an error, for the mind may lack an input."""
         for number, recorded in enumerate(self._trace.messages(*DECISIONS)):
             if recorded.sequence != number:
                 raise TraceError(f"{self.path}: {recorded.topic}: decision message {number} is missing")
@@ -197,10 +199,10 @@ class RecordedRun:
 
 
 def check_made_of(trace: Trace, start: RunStart) -> None:
-    """See to it that the files in a trace are those of its run: a recovered one may lack some.
+    """Check that the files in a trace are those of its run; a recovered trace may lack some.
 
     Raises:
-        TraceError: If one is missing, changed or added.
+        TraceError: If a file is missing, changed or added.
     """
     attached = {name: digest(content) for name, content in trace.attachments.items()}
     for said in disagreements(start, attached, trace.metadata["run"]):

@@ -1,4 +1,4 @@
-"""The mind of a recorded run, made of other things: rules, goal, thresholds, limits, what it is told."""
+"""The mind of a recorded run with changed inputs: rules, goal, thresholds, limits or prior."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,18 +17,18 @@ from skolem.traces.errors import Fault, InputError, TraceError
 from skolem.traces.file.made_of import SCENARIO
 
 THRESHOLD: Final = "threshold"
-NOT_TOLD: Final = ("goal", "limits")  # keys of a scenario that are of the mind, but not of what it is told
-TOLD: Final = ("belief", "priors", "noise", "model")  # keys that are of what it is told
+NOT_TOLD: Final = ("goal", "limits")  # keys of a scenario that change the mind, but not its prior
+TOLD: Final = ("belief", "priors", "noise", "model")  # keys that change the prior
 
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """What is to be otherwise.
+    """The changes of a mind's inputs.
 
     Attributes:
-        rules: File name to content, of rule files that are taken instead or beside.
-        overrides: `a.b=value` of the scenario, without the threshold.
-        threshold: The probability that every B(phi, p) of the goal asks for; None: as it says.
+        rules: File name to content of the rule files that replace others or are added.
+        overrides: Changed values `a.b=value` of the scenario, without the threshold.
+        threshold: The new p of every B(phi, p) in the goal; None: unchanged.
     """
 
     rules: Mapping[str, bytes] = field(default_factory=dict)
@@ -36,15 +36,15 @@ class Changes:
     threshold: float | None = None
 
     def __bool__(self) -> bool:
-        """Return whether anything is to be otherwise."""
+        """Return whether there is any change."""
         return bool(self.rules or self.overrides or self.threshold is not None)
 
 
 def changes_of(rules: Mapping[str, bytes], flags: Sequence[str]) -> Changes:
-    """Return the changes that `--set` flags ask for, beside those of rules.
+    """Return the changes by `--set` flags, together with those of the rules.
 
     Raises:
-        InputError: If a flag is about the world, which is as it was recorded, or no sound threshold.
+        InputError: If a flag would change the recorded world, or is no valid threshold.
     """
     faults = []
     overrides, threshold = [], None
@@ -66,7 +66,7 @@ def changes_of(rules: Mapping[str, bytes], flags: Sequence[str]) -> Changes:
 
 
 def given_with(run: RecordedRun, changes: Changes, rulebooks: Rulebooks) -> Given:
-    """Return what a mind would be made of with the changes.
+    """Return the changed inputs of a run's mind.
 
     Raises:
         InputError: With every fault of the changed rules or scenario.
@@ -80,7 +80,7 @@ def given_with(run: RecordedRun, changes: Changes, rulebooks: Rulebooks) -> Give
 
 
 def _given_by_scenario(run: RecordedRun, changes: Changes, rulebook: Rulebook) -> Given:
-    """Return what the changed scenario gives; what the robot is told stays as recorded unless that is what changes."""
+    """Return the inputs by the changed scenario; the prior stays as recorded unless a flag changes it."""
     scenario, goal = understood(_document(run, changes.overrides), rulebook)
     told = run.told
     if any(flag.partition("=")[0].partition(".")[0] in TOLD for flag in changes.overrides):

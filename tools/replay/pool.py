@@ -1,4 +1,4 @@
-"""Many traces replayed at a time, in processes of this machine; their reports come in the order of the traces."""
+"""Parallel replays of many traces in processes of this machine; the reports keep the order of the traces."""
 
 import gc
 import os
@@ -14,16 +14,16 @@ from skolem.tools.replay.replayer import Replayer
 from skolem.tools.replay.reports import Report, Wanted
 from skolem.traces.errors import InternalError
 
-_replayers: list[Replayer] = []  # of this process, if it is a worker
+_replayers: list[Replayer] = []  # the one replayer of a worker process
 
 
 def reports(traces: Sequence[Path], wanted: Wanted, workers: int) -> Iterator[Report]:
-    """Yield what came of each trace.
+    """Yield the report of each trace.
 
     Args:
-        traces: Of runs.
-        wanted: What to do to each; sound.
-        workers: Processes that share them.
+        traces: Traces of runs.
+        wanted: The checked options.
+        workers: Number of processes that share the traces.
 
     Raises:
         InternalError: If a process dies.
@@ -31,7 +31,9 @@ def reports(traces: Sequence[Path], wanted: Wanted, workers: int) -> Iterator[Re
     try:
         told = (wanted, gc.get_threshold(), os.getpid())
         with ProcessPoolExecutor(workers, get_context("spawn"), _begin, told) as pool:
-            held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for us: workers inherit this
+            held = signal.pthread_sigmask(
+                signal.SIG_BLOCK, {signal.SIGINT}
+            )  # workers inherit it: Ctrl-C is not for them
             try:
                 found = pool.map(_report, traces)
             finally:
@@ -42,7 +44,7 @@ def reports(traces: Sequence[Path], wanted: Wanted, workers: int) -> Iterator[Re
 
 
 def _begin(wanted: Wanted, garbage: tuple[int, int, int], parent: int) -> None:
-    """Make this process a worker, unless the one that started it has died meanwhile."""
+    """Make this process a worker, unless its parent has died meanwhile."""
     end_with_parent()
     if os.getppid() != parent:
         os._exit(1)

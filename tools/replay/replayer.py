@@ -1,4 +1,4 @@
-"""One trace after another replayed, each with a report; rules that several of them bring are read once."""
+"""Replays of one trace after another, each with a report; rules that several traces share are read once."""
 
 from pathlib import Path
 
@@ -13,41 +13,41 @@ from skolem.traces.errors import InputError, TraceError
 
 
 class Replayer:
-    """What the command line asks for, done to one trace after another."""
+    """Replays traces as the command line asks."""
 
     def __init__(self, wanted: Wanted) -> None:
-        """Take over what is wanted.
+        """Prepare the replays.
 
         Raises:
-            InputError: If the rules, goal or values that are to be otherwise are wrong whatever the trace.
+            InputError: If the changed rules, goal or values are wrong for every trace.
         """
         self._wanted = wanted
         self._rulebooks = Rulebooks()
         self._what_if = None
         if wanted.is_what_if:
-            from skolem.tools.replay.what_if_reports import WhatIf  # reads scenarios, which no other replay needs to
+            from skolem.tools.replay.what_if_reports import WhatIf  # reads scenarios, which other replays do not need
 
             self._what_if = WhatIf(wanted.rules, wanted.overrides)
 
     def report(self, path: Path) -> Report:
-        """Return what came of one trace.
+        """Replay one trace and return its report.
 
         Raises:
-            InputError: If its rules, or what is to be otherwise in it, are not sound.
-            TraceError: If it cannot be read.
+            InputError: If its rules, or the changes, are not sound.
+            TraceError: If the trace cannot be read.
         """
         run = RecordedRun(path)
         return self._replayed(run) if self._what_if is None else self._what_if.report(run)
 
     def told(self, path: Path) -> Report:
-        """Return what came of one trace of many: what is wrong with it is its report."""
+        """Replay one trace of many and return its report; an error becomes a report, too."""
         try:
             return self.report(path)
         except InputError as error:
             return Report("bad_input", str(error).splitlines(), {"reason": str(error)})
         except TraceError as error:
             return Report("unsound", [str(error).removeprefix(f"{path}: ")], {"reason": str(error)})
-        except Exception as error:  # a fault of ours; the other traces are replayed all the same
+        except Exception as error:  # an error of the product must not stop the other replays
             reason = f"{type(error).__name__}: {error}"
             return Report("internal", [f"internal error: {reason}; replay it alone to see where"], {"reason": reason})
 

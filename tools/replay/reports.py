@@ -1,4 +1,4 @@
-"""What is asked of a replay, what comes of one trace, and the exit status that stands for it."""
+"""The options of a replay, the report of one trace, and its exit status."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ EXIT: dict[Status, int] = {
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What the command line asks for; see the options of `skolem replay`."""
+    """The options of `skolem replay`."""
 
     from_step: int
     re_anchor: bool
@@ -33,18 +33,18 @@ class Wanted:
 
     @property
     def is_what_if(self) -> bool:
-        """Whether the question is what would be, not whether all is as it was."""
+        """Whether the replay is a what-if."""
         return self.rules is not None or bool(self.overrides)
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What came of one trace.
+    """The result of replaying one trace.
 
     Attributes:
-        status: How it went.
-        lines: For people.
-        fields: For `--json`.
+        status: The result in one word.
+        lines: The report for people.
+        fields: The report for `--json`.
     """
 
     status: Status

@@ -60,9 +60,9 @@ def reproduce(
 
 @contextmanager
 def _kept(keep: Path | None) -> Iterator[Path]:
-    """Give the block a path to write a trace to, and put what it wrote to `keep`, if it is to be kept.
+    """Give the block a path for a trace, and move the trace to `keep` if that is given.
 
-    It lies in a folder of its own until then: what is left if we are killed is in nobody's way.
+    Until then the trace lies in a temporary folder: the remains of a killed process disturb nobody.
     """
     try:
         if keep is not None:

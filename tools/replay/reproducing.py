@@ -1,4 +1,4 @@
-"""A recorded run, run again in the simulator from the scenario, rules and seed that are attached to its trace."""
+"""Reproduction of a recorded run: the simulator runs again with the scenario, rules and seed in its trace."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -19,12 +19,12 @@ from skolem.traces.messages import RunEnd, RunStart
 
 
 def setup_in(trace: Trace) -> Setup:
-    """Return what a recorded run was made of.
+    """Return the inputs of a recorded run.
 
     Raises:
         InputError: If scenario, rules or goal are not sound for this version of the product, or the world of the run
             is not installed.
-        TraceError: If the trace does not hold its scenario and rules, or does not say how it was run.
+        TraceError: If the trace lacks its scenario, its rules or the metadata of its run.
     """
     start = next(trace.of(RunStart), None)
     if start is None or SCENARIO not in trace.attachments:
@@ -41,9 +41,9 @@ def setup_in(trace: Trace) -> Setup:
 def reproduce(
     trace: Trace, setup: Setup, out: Path, watcher: Watcher, tolerance: Tolerance, keep_all: bool = False
 ) -> Comparison:
-    """Run again, and return how the new trace at `out` compares with the old one.
+    """Run again, and compare the new trace at `out` with the old one.
 
-    A run that failed or was cut short is compared as far as its record goes; one that failed may fail again.
+    A run that failed or was cut short is compared as far as its record goes; a failed run may fail again.
     """
     end = next(trace.of(RunEnd), None)
     try:
@@ -59,13 +59,13 @@ def reproduce(
 
 
 def end_of_again(old: Trace, new: Trace) -> str:
-    """Return in words that the old run ended in an error, and the new one did not; empty if there is nothing to say."""
+    """Return a sentence if the old run ended in an error and the new one did not; empty otherwise."""
     then, now = (next(trace.of(RunEnd), None) for trace in (old, new))
     return other_end(then, now.reason if now is not None and now.status == "error" else "")
 
 
 def _pairs(old: Trace, new: Trace, cut_short: bool) -> Iterator[tuple[Sequence[Recorded], Sequence[Recorded]]]:
-    """Yield the messages of both runs, step by step, and nothing of the new one after a record that was cut short."""
+    """Yield the messages of both runs step by step; after a record that was cut short the new ones are left out."""
     ours, theirs = by_step(old.messages(*NOT_TIMED)), by_step(new.messages(*NOT_TIMED))
     group = next(ours)
     while True:

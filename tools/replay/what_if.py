@@ -1,8 +1,7 @@
-"""What a robot with other rules, another goal or other thresholds would have decided in a recorded run.
+"""What-if replay: which decisions of a recorded run change with other rules, another goal or other thresholds.
 
-The changed mind lives through the record: it meets what is recorded, and after every action it is taken to have done
-what the recorded robot did. So each decision is answered for the history as it was. From the first decision to do
-something else on, the record says nothing.
+The changed mind gets the recorded observations, and after every decision it goes on with the recorded action. So each
+decision is compared for the recorded history. The record does not apply after the first other action.
 """
 
 import math
@@ -20,20 +19,20 @@ from skolem.tools.recorded.run import CUT_SHORT, RecordedRun, RecordedStep
 from skolem.traces.messages import Command, Decision, LookAt, MoveBase, Pick, Place, Plan, RunEnd, Weigh
 
 Kind = Literal["act", "end", "motion", "plan", "search"]
-ELSEWHERE: Final = 0.05  # metres and radians: a motion that ends farther off shows the robot other things
+ELSEWHERE: Final = 0.05  # metres and radians: a motion that ends farther off shows the robot another scene
 
 
 @dataclass(frozen=True, slots=True)
 class Altered:
-    """One decision that changes.
+    """A decision that changes.
 
     Attributes:
-        step: Its number.
-        kind: `act`, something else is done, or the same elsewhere; `end`, the run ends otherwise; `motion`, the same is
-            done on another path to nearly the same place; `plan`, the same is done for another plan; `search`, for the
-            same plan with other candidates or costs.
-        was: What was decided.
-        now: What would be.
+        step: Number of the decision.
+        kind: `act`: another action, or the same one elsewhere; `end`: another end of the run; `motion`: the same action
+            on another path to nearly the same pose; `plan`: the same action for another plan; `search`: the same action
+            and plan with other candidates or costs.
+        was: The recorded decision.
+        now: The new decision.
     """
 
     step: int
@@ -47,14 +46,14 @@ class Altered:
 
 @dataclass(slots=True)
 class Foreseen:
-    """How a changed mind decides.
+    """The result of a what-if replay.
 
     Attributes:
-        altered: The decisions that change; of each the gravest change.
-        decisions: How many were taken.
-        recorded: How many there are.
+        altered: The decisions that change, each with its gravest change.
+        decisions: Number of decisions taken again.
+        recorded: Number of recorded decisions.
         stopped: Why the rest of the record does not apply; empty if it does.
-        planned: Geometric questions that the record does not answer, and the planner did.
+        planned: Number of geometric questions that the planner answered, because the record does not.
     """
 
     altered: list[Altered] = field(default_factory=list)
@@ -65,10 +64,10 @@ class Foreseen:
 
 
 def foresee(run: RecordedRun, given: Given) -> Foreseen:
-    """Return which decisions of a run change for a mind made of other things.
+    """Return the decisions of a run that change for a mind with other inputs.
 
-    Recorded geometric answers are used as long as the robot is told the same, for then it believes the same; other
-    questions are answered by the planner of the run's world.
+    Recorded geometric answers are used if the prior is unchanged, for then the belief is, too; the planner of the run's
+    world answers other questions.
 
     Raises:
         InputError: If there is such a question, and that world is not installed.
@@ -91,12 +90,12 @@ def foresee(run: RecordedRun, given: Given) -> Foreseen:
 
 
 def _installed(run: RecordedRun) -> WorldKind | None:
-    """Return the kind of world of a run; None if it is not installed, which matters only once it is needed."""
+    """Return the kind of world of a run; None if it is not installed, for many replays do not need it."""
     return worlds.named(run.start.world) if run.start.world in worlds.names() else None
 
 
 def _decide(mind: Rethinking, recorded: RecordedStep, foreseen: Foreseen) -> None:
-    """Take one decision with the changed mind, and go on as the recorded one did if that is what it would do."""
+    """Take one decision with the changed mind, and go on with the recorded action if it would do the same."""
     if recorded.action is None and (recorded.end is None or recorded.end.status in CUT_SHORT):
         foreseen.stopped = f"step {recorded.step}: the record ends before the decision"
         return
@@ -112,7 +111,7 @@ def _decide(mind: Rethinking, recorded: RecordedStep, foreseen: Foreseen) -> Non
 
 
 def _change(recorded: RecordedStep, thought: Thought) -> Altered | None:
-    """Return the gravest change of a decision; None if it is as it was."""
+    """Return the gravest change of a decision; None if it does not change."""
     step, was, now = recorded.step, recorded.action, thought.action
     turn = thought.turn
     if turn is None or was is None or now is None:
@@ -135,19 +134,19 @@ def _change(recorded: RecordedStep, thought: Thought) -> Altered | None:
 
 
 def ends_alike(one: Command, other: Command) -> bool:
-    """Return whether two motions of a kind end so near each other that what is seen after one was seen after both."""
+    """Return whether two motions of one kind end so near each other that the observation after both is the same."""
     hands = {command.hand for command in (one, other) if isinstance(command, Pick | Place | Weigh)}
     ends, others = _ending(one), _ending(other)
     if len(hands) > 1 or len(ends) != len(others):
         return False
     apart = [a - b for a, b in zip(ends, others, strict=True)]
-    metres = 2 if isinstance(one, MoveBase) else 0  # so many come first; the others are angles
+    metres = 2 if isinstance(one, MoveBase) else 0  # number of leading values in metres; the others are angles
     apart[metres:] = [math.remainder(turn, math.tau) for turn in apart[metres:]]
     return all(abs(each) <= ELSEWHERE for each in apart)
 
 
 def _ending(command: Command) -> tuple[float, ...]:
-    """Return where a motion ends: base pose in the frame of the start, head angles, or the arm at the object."""
+    """Return the end of a motion: base pose in the frame of the start, head angles, or arm angles at the object."""
     match command:
         case MoveBase(start_T_waypoint=path):
             return path[-1] if path else (0.0, 0.0, 0.0)
@@ -159,7 +158,7 @@ def _ending(command: Command) -> tuple[float, ...]:
 
 
 def _to(command: Command) -> str:
-    """Return where a motion ends in words; nothing of an arm, whose angles tell a reader nothing."""
+    """Return the end of a motion in words; empty for an arm, whose angles do not help a reader."""
     match command:
         case MoveBase():
             return " by ({:.2f} m, {:.2f} m, {:.2f} rad)".format(*_ending(command))
@@ -177,13 +176,13 @@ def _outcome(recorded: RecordedStep) -> str:
 
 
 def _planned(plan: Plan) -> tuple[str, ...]:
-    """Return a change of the plan stack: its cause, and of each layer the chosen step and those after it."""
+    """Return a change of the plan stack: its cause, and for each layer the chosen step and those after it."""
     layers = zip(plan.layers, plan.current, strict=True)
     return (f"[{plan.cause}]", *(" > ".join(step.op for step in layer[chosen:]) for layer, chosen in layers))
 
 
 def _searched(decision: Decision) -> tuple[str, ...]:
-    """Return a search: what it found, and every candidate with its cost in nats or why it was rejected."""
+    """Return a search: its result, and every candidate with its cost in nats or the reason of its rejection."""
     found = f"{' > '.join(decision.plan) or 'no plan'} {decision.cost / MICRO:.6f}"
     return (found, *(f"{c.op} {c.rejected or f'{c.cost / MICRO:.6f}'}" for c in decision.candidates))
 

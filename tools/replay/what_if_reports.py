@@ -1,4 +1,4 @@
-"""What-if replays from the command line: what changes in a run, in words."""
+"""Reports of what-if replays: the changes in a run, in words."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -15,23 +15,23 @@ SHOWN = 200  # characters of a line
 
 
 class WhatIf:
-    """The same changes, for one run after the other."""
+    """Applies the same changes to one run after another."""
 
     def __init__(self, folder: Path | None, overrides: Sequence[str]) -> None:
-        """Take over what is to be otherwise.
+        """Read the changes.
 
         Args:
-            folder: Holds rule files that are taken instead of those of the same name, or beside; None: no others.
-            overrides: `a.b=value` of the scenario, goal or threshold.
+            folder: Folder with rule files that replace those of the same name, or are added; None: no other rules.
+            overrides: Changed values `a.b=value` of the scenario, goal or threshold.
 
         Raises:
-            InputError: If there are no rule files in the folder, or an override is about what was recorded.
+            InputError: If the folder has no rule files, or an override would change the recorded world.
         """
         self._changes = changes_of(files_in(folder) if folder else {}, overrides)
         self._rulebooks = Rulebooks(folder)
 
     def report(self, run: RecordedRun) -> Report:
-        """Return what would change in a run.
+        """Return the changes in a run.
 
         Raises:
             InputError: If the changed rules, goal or scenario are not sound.

@@ -49,7 +49,7 @@ def check(
 
 @dataclass(frozen=True, slots=True)
 class Complaint:
-    """Something to say of rule files: `error`, `warning`, or `allowed` with the reason that stands in the file."""
+    """A complaint about rule files: `error`, `warning`, or `allowed` with the reason that the file gives."""
 
     fault: Fault
     severity: str
@@ -58,7 +58,7 @@ class Complaint:
 
 
 def _complaints(paths: Sequence[Path]) -> tuple[list[Complaint], bool]:
-    """Return everything to say of rule files, by place, and whether that is all."""
+    """Return all complaints about rule files, sorted by position, and whether the list is complete."""
     from skolem.reasoner.lint.linting import findings
     from skolem.reasoner.lint.wrong_rules import NOT_A_FLUENT
     from skolem.reasoner.planning.queries import Queries
@@ -102,7 +102,7 @@ def doc(
 
 
 def _load(paths: Sequence[Path]) -> "Rulebook":
-    """Return the rules that are meant.
+    """Return the rules in the given files.
 
     Raises:
         InputError: With every fault in them.
@@ -113,7 +113,7 @@ def _load(paths: Sequence[Path]) -> "Rulebook":
 
 
 def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:
-    """Return a user's own rule files, and the folder that stands for the rules that ship; None for those.
+    """Return the user's own rule files, and the folder that replaces the rules that ship; None if they are kept.
 
     Raises:
         InputError: If a folder has no rule file.
@@ -133,7 +133,7 @@ def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:
 
 
 def _report(complaints: Sequence[Complaint], certain: bool, json: bool) -> None:
-    """Print complaints; what is allowed is counted, and listed for machines only."""
+    """Print complaints; allowed ones are only counted, except with `json`."""
     if json:
         faults = fault_rows(InputError([complaint.fault for complaint in complaints]))
         for row, found in zip(faults, complaints, strict=True):

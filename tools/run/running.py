@@ -1,4 +1,4 @@
-"""A run from the command line: watched, timed, summed up, and its exit status."""
+"""A run from the command line: progress, times, summary and exit status."""
 
 import json as json_format
 import traceback
@@ -34,11 +34,11 @@ def execute(
     partial: IO[bytes] | None = None,
     raw: bool = False,
 ) -> int:
-    """Run, print what came of it, and return the exit status; `partial` as in `run`, and `raw` shows terms as recorded.
+    """Run, print the result, and return the exit status; `partial` as in `run`, and `raw` shows terms as recorded.
 
     Raises:
         InputError: If the trace cannot be begun.
-        UnwrittenError: If it cannot be written to its end; with `json` the object is printed all the same.
+        UnwrittenError: If the trace cannot be written to its end; with `json` the object is printed before.
     """
     outcome = Outcome()
     status: RunStatus = "error"
@@ -97,7 +97,7 @@ def summary(setup: Setup, outcome: Outcome, status: RunStatus, reason: str, trac
 
 
 def verdict_lines(outcome: Outcome, status: RunStatus, reason: str, trace: Path, words: Wording) -> list[str]:
-    """Return what the robot believes, what is true, and where the trace lies, if one was written."""
+    """Return the robot's belief about its goal, the truth, and the path of the trace if one was written."""
     counts = (
         f"{outcome.actions} actions, {outcome.replans} replans, "
         f"{outcome.tick / TICKS_PER_SECOND:.1f} s simulated, {outcome.total_s:.1f} s wall"
@@ -122,7 +122,7 @@ def verdict_lines(outcome: Outcome, status: RunStatus, reason: str, trace: Path,
 
 
 def explanation(end: RunEnd) -> list[str]:
-    """Return what speaks against the best candidate, and what has been searched."""
+    """Return the doubts about the best candidate, and the searched regions."""
     lines = []
     if end.conjuncts:
         shares = ", ".join(f"{word} {p:.3f}" for word, p in sorted(end.conjuncts.items(), key=lambda item: item[1]))
@@ -134,9 +134,9 @@ def explanation(end: RunEnd) -> list[str]:
 
 
 def unused(path: Path) -> Path:
-    """Return the path, or the first of NAME.2.mcap, NAME.3.mcap, .. that is not there, written or being written.
+    """Return the path, or the first of NAME.2.mcap, NAME.3.mcap, .. that does not exist, complete or partial.
 
-    What a killed run left may be all that there is of it, and another run may be under way.
+    A partial file may be the only record of a killed run, or another run may be writing it.
     """
     number, free = 2, path
     while free.exists() or partial_of(free).exists():

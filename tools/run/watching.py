@@ -1,6 +1,6 @@
-"""A run shown while it goes on, by a process of its own: the run neither waits for it nor knows of it.
+"""The live view of a run in a separate process, for which the run does not wait.
 
-That process (`skolem view FILE --follow`) reads the trace as it grows and gives way to everything else.
+That process (`skolem view FILE --follow`) reads the growing trace at the lowest priority.
 """
 
 import os
@@ -20,7 +20,7 @@ NICE: Final = 10
 
 @contextmanager
 def watched(trace: Path, raw: bool = False) -> Iterator[IO[bytes]]:
-    """Show the run that the block records to `trace` in a window; the block is given the partial file to write.
+    """Show the run that the block records to `trace` in a window; the block gets the partial file.
 
     After the block the window stays until it is closed or Ctrl-C.
 
@@ -29,7 +29,7 @@ def watched(trace: Path, raw: bool = False) -> Iterator[IO[bytes]]:
     """
     if not has_display():
         raise InputError([Fault("--view", 0, 0, NO_DISPLAY)])
-    file = begin(trace)  # the viewer holds it open too: so it finds it under whatever name it gets
+    file = begin(trace)  # the viewer holds it open too, so that a new name of the file does not matter
     shown = ["--raw"] if raw else []
     try:
         follower = subprocess.Popen(
@@ -50,6 +50,6 @@ def watched(trace: Path, raw: bool = False) -> Iterator[IO[bytes]]:
 
 
 def _aside() -> None:
-    """Prepare a new process: it ends with this one, and gives way to everything else."""
+    """Prepare a new process: it ends with this one, and has the lowest priority."""
     end_with_parent()
     os.nice(NICE)

@@ -1,6 +1,6 @@
-"""Many runs at a time on dask.distributed: processes of this machine, or the workers of a scheduler anywhere.
+"""Parallel runs on dask.distributed: in processes of this machine, or on the workers of any scheduler.
 
-A worker that dies takes along no finished run: traces are fetched as they come, and its runs are done by another.
+A worker that dies loses no finished run: traces are fetched at once, and another worker does its other runs.
 """
 
 import logging
@@ -16,11 +16,11 @@ from skolem.tools.sweep.rows import lost_row
 from skolem.tools.sweep.task import Finished, Task, WorkerRefusedError, run_on_worker
 from skolem.traces.errors import Fault, InputError, InternalError
 
-ATTEMPTS = 4  # workers that may die of a run before it is given up
-CONNECT_S = 10  # a scheduler that does not answer for so long is not there
+ATTEMPTS = 4  # number of workers that may die in a run before it is given up
+CONNECT_S = 10  # longest wait for an answer of the scheduler
 SETTINGS = {
     "distributed.scheduler.allowed-failures": ATTEMPTS - 1,
-    "distributed.scheduler.worker-saturation": 1.0,  # a run that waits for its turn is not charged with a death
+    "distributed.scheduler.worker-saturation": 1.0,  # runs wait at the scheduler: a dying worker counts for one alone
     "distributed.comm.timeouts.connect": CONNECT_S,
 }
 
@@ -37,7 +37,7 @@ def local_workers(count: int) -> Iterator[Client]:
             processes=True,
             host="127.0.0.1",
             dashboard_address=None,
-            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # of its state server; the default port is one only
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any free port: two sweeps may run at a time
             preload=[sweep_task.__name__],
             memory_limit=None,
             local_directory=folder,
@@ -51,10 +51,10 @@ def local_workers(count: int) -> Iterator[Client]:
 
 @contextmanager
 def workers_of(scheduler: str) -> Iterator[Client]:
-    """Use the workers of a scheduler, now and later ones; they go on when this ends.
+    """Use the workers of a scheduler, also those that join later; they stay when the block ends.
 
     Raises:
-        InputError: If nobody answers, or there is no worker.
+        InputError: If the scheduler does not answer, or has no worker.
     """
     with dask.config.set(SETTINGS):
         try:
@@ -71,10 +71,10 @@ def workers_of(scheduler: str) -> Iterator[Client]:
 
 
 def run_all(client: Client, tasks: Sequence[Task]) -> Generator[tuple[Task, Finished], None, None]:
-    """Yield every run when it is finished, in any order; what is not fetched when the iteration ends is called off.
+    """Yield every run when it is finished, in any order; the end of the iteration cancels the others.
 
     Raises:
-        InputError: If a worker refuses.
+        InputError: If a worker refuses a run.
         InternalError: If the scheduler is lost.
     """
     futures = {client.submit(run_on_worker, task, pure=False): task for task in tasks}

@@ -1,4 +1,4 @@
-"""What a person sees while a sweep goes on: a bar on a terminal, otherwise a line per finished run."""
+"""The progress of a sweep: a bar on a terminal, otherwise a line for each finished run."""
 
 import sys
 from contextlib import AbstractContextManager
@@ -12,34 +12,34 @@ from skolem.tools.sweep.rows import Row
 
 
 class Silence(AbstractContextManager["Silence"]):
-    """Nothing at all."""
+    """Prints nothing."""
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Nothing to put back."""
+        """Do nothing."""
 
     def done(self, row: Row) -> None:
-        """Say nothing."""
+        """Print nothing."""
 
 
 class Lines(Silence):
-    """One line on standard error per finished run."""
+    """Prints one line on standard error for each finished run."""
 
     def __init__(self, total: int, before: int) -> None:
-        """Say how many runs are done already."""
+        """Print how many runs are done already."""
         self._total, self._done = total, before
         if before:
             print(f"{before} of {total} runs are done already", file=sys.stderr, flush=True)
 
     def done(self, row: Row) -> None:
-        """Print how the run ended."""
+        """Print the end of the run."""
         self._done += 1
         print(f"[{self._done}/{self._total}] {said_of(row)}", file=sys.stderr, flush=True)
 
 
 class Bar(Silence):
-    """A bar with the counts so far, and the failures above it."""
+    """Shows a bar with the counts so far, and the failures above it."""
 
     def __init__(self, total: int, before: int, console: Console) -> None:
         """Prepare the bar."""
@@ -65,7 +65,7 @@ class Bar(Silence):
         self._bar.stop()
 
     def done(self, row: Row) -> None:
-        """Move on."""
+        """Move the bar on, and print a failure."""
         self._believed += row.believed
         self._true += row.succeeded
         if not row.succeeded:
@@ -74,7 +74,7 @@ class Bar(Silence):
 
 
 def said_of(row: Row) -> str:
-    """Return how a run ended, in one line."""
+    """Return the end of a run in one line."""
     true = {True: "true", False: "not true", None: "cut short"}[row.true]
     why = "" if row.believed else f": {' '.join(row.reason.split())}"
     effort = f"{row.actions} action{'' if row.actions == 1 else 's'}, {row.seconds['total']:.1f} s"
@@ -82,7 +82,7 @@ def said_of(row: Row) -> str:
 
 
 def progress_for(total: int, before: int, quiet: bool) -> Silence:
-    """Return who tells: nobody, a bar on a terminal, or lines."""
+    """Return the display of the progress: none, a bar on a terminal, or lines."""
     if quiet:
         return Silence()
     console = Console(stderr=True)

@@ -1,4 +1,4 @@
-"""How the runs of a sweep went, as Markdown: success with its interval, calibration, effort, and every failure."""
+"""The report of a sweep as Markdown: success with its interval, calibration, effort, and every failure."""
 
 import math
 import os
@@ -16,14 +16,14 @@ from skolem.tools.loop.stopwatch import PARTS, RECORDING
 from skolem.tools.sweep.rows import Row
 from skolem.traces.messages import RunStatus
 
-CONFIDENCE = 0.95  # of the intervals
+CONFIDENCE = 0.95  # level of the confidence intervals
 ENDS: Mapping[RunStatus, str] = {
     "goal_unachievable": "given up as impossible",
     "limit_reached": "ended at a limit",
     "error": "ended by an internal error",
 }
-DIGITS = 12  # of the hash of rules and program
-MANY = 10  # failures that say the same and are told in one line
+DIGITS = 12  # printed digits of the hash of rules and program
+MANY = 10  # from so many failures with the same reason on, one line stands for all
 COUNTS: tuple[tuple[str, Callable[[Row], float]], ...] = (
     ("actions", lambda row: row.actions),
     ("replans", lambda row: row.replans),
@@ -45,11 +45,11 @@ class Part:
     """The runs of one scenario, or of one family.
 
     Attributes:
-        name: Of the scenario or family.
-        source: What the command that is shown calls it: the file it was read from, or an option.
-        world: Which simulator.
-        overrides: What was changed of the scenario.
-        goals: What was to be achieved, by seed.
+        name: Name of the scenario or family.
+        source: Its name in the printed command: the scenario file, or an option.
+        world: Name of the simulator.
+        overrides: Changed values of the scenario.
+        goals: The goals of the runs, by seed.
         rows: The runs, by seed.
     """
 
@@ -68,7 +68,7 @@ class Part:
 
     @property
     def as_expected(self) -> int:
-        """How many runs ended as their scenario says."""
+        """The number of runs that ended as their scenario expects."""
         return sum(row.status == row.expected for row in self.rows)
 
     @property
@@ -78,14 +78,14 @@ class Part:
 
     @property
     def command(self) -> str:
-        """What makes these runs."""
+        """The command that makes these runs."""
         seeds = sorted(row.seed for row in self.rows)
         words = [f"skolem sweep {self.source}", f"--seeds {_ranges(seeds)}", f"--world {self.world}"]
         return " ".join([*words, *(f"--set {override}" for override in self.overrides), "-o DIR"])
 
     @property
     def key(self) -> str:
-        """What tells this account from others in one file."""
+        """The key of this section among the others in a file."""
         return " ".join([self.name, self.world, *self.overrides])
 
     @property
@@ -106,17 +106,17 @@ def wilson(hits: int, of: int) -> tuple[float, float]:
 
 
 def promised(goal: Goal) -> float | None:
-    """Return the least probability with which the goal asks anything to be believed."""
+    """Return the lowest bound in the goal, as a probability."""
     return min((item.p for item in goal.conjuncts if isinstance(item, Believed | Estimated)), default=None)
 
 
 def summary(parts: Iterable[Part]) -> str:
-    """Return the whole account."""
+    """Return the whole report."""
     return "\n".join(["# Sweep", "", *(text for _, text in sections(list(parts)))])
 
 
 def sections(parts: Sequence[Part]) -> list[tuple[str, str]]:
-    """Return the account of each scenario under its key, and before them an overview if there are several."""
+    """Return the section of each scenario with its key, and an overview before them if there are several."""
     found = [(part.key, section(part)) for part in parts]
     if len(parts) > 1:
         first = parts[0]
@@ -125,7 +125,7 @@ def sections(parts: Sequence[Part]) -> list[tuple[str, str]]:
 
 
 def _overview(parts: Sequence[Part]) -> str:
-    """Return a line per scenario: how many runs went well, and the medians of what they took."""
+    """Return a line for each scenario: how its runs ended, and the medians of their effort."""
     lines = [
         f"## {', '.join(['All scenarios', f'{parts[0].world} world', *parts[0].overrides])}",
         "",
@@ -153,7 +153,7 @@ def _of_another(row: Row) -> bool:
 
 
 def _speed(row: Row) -> float:
-    """Return simulated over wall time."""
+    """Return the ratio of simulated to wall time."""
     return row.simulated_s / (row.seconds["total"] or 1.0)
 
 
@@ -162,7 +162,7 @@ def _median(rows: Sequence[Row], value: Callable[[Row], float]) -> str:
 
 
 def section(part: Part) -> str:
-    """Return the account of one scenario."""
+    """Return the section of one scenario."""
     rows = part.rows
     ended = [row for row in rows if row.status != "error"]
     asked = f"Goal: `{part.goal}`" if part.goal else f"{len(part.goals)} worlds, each with a goal and an answer."
@@ -177,7 +177,7 @@ def section(part: Part) -> str:
 
 
 def line(part: Part) -> str:
-    """Return one line for a terminal."""
+    """Return the result of one scenario as a line for a terminal."""
     rows, believed = part.rows, sum(row.believed for row in part.rows)
     true = sum(row.succeeded for row in part.rows)
     effort = f"median {_number(statistics.median(row.actions for row in rows))} actions" if rows else "nothing done"
@@ -189,7 +189,7 @@ def line(part: Part) -> str:
 
 
 def with_section(text: str, key: str, section: str) -> str:
-    """Return a text with the section of that key put in, or replaced, between its markers."""
+    """Return a text with the section of a key inserted, or replaced, between its markers."""
     begin, end = f"<!-- results {key} -->", f"<!-- end of results {key} -->"
     block = f"{begin}\n{section}{end}"
     pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
@@ -218,7 +218,7 @@ def _shares(part: Part) -> list[str]:
 
 
 def _of_the_answer(part: Part) -> list[str]:
-    """Return how often what can be achieved was, and what cannot was found out, where not every goal can be."""
+    """Return the success among achievable and impossible goals; nothing if every goal is the same and achievable."""
     could, rows = part.achievable, part.rows
     if part.goal and len(could) == len(rows):
         return []
@@ -232,7 +232,7 @@ def _of_the_answer(part: Part) -> list[str]:
 
 
 def _ends(part: Part) -> list[str]:
-    """Return how the achievable runs ended that achieved nothing: to give up is a failure there."""
+    """Return the ends of runs that did not achieve an achievable goal: giving up is a failure there."""
     could = part.achievable
     return [
         _share(f"achievable, but {said}", sum(row.status == status for row in could), len(could))
@@ -268,7 +268,7 @@ def _number(value: float) -> str:
 
 
 def _variety(rows: Sequence[Row]) -> str:
-    """Return how many ways to success there were."""
+    """Return the number of different action sequences that led to success."""
     ways = Counter(row.sequence for row in rows if row.succeeded)
     if not ways:
         return "No run succeeded."
@@ -280,7 +280,7 @@ def _variety(rows: Sequence[Row]) -> str:
 
 
 def _failures(rows: Sequence[Row]) -> list[str]:
-    """Return why runs did not succeed: a line each, but one for many that say the same."""
+    """Return the reasons of failed runs: a line for each, but one line for many equal ones."""
     said: dict[str, list[Row]] = {}
     for row in rows:
         said.setdefault(_why(row), []).append(row)
@@ -296,21 +296,21 @@ def _failures(rows: Sequence[Row]) -> list[str]:
 
 
 def _why(row: Row) -> str:
-    """Return why a run did not succeed."""
+    """Return why a run failed."""
     if _of_another(row):
         return f"believed of {row.anchor}, but true of {row.witness} alone"
     return "believed, but not true" if row.believed else f"{row.status}: {' '.join(row.reason.split())}"
 
 
 def _nearest(row: Row) -> str:
-    """Return how near the robot thought it came, and how much it has seen."""
+    """Return the probability of the best candidate, and the share of the regions that was seen."""
     about = f" ({', '.join(row.conjuncts)})" if row.conjuncts else ""
     found = f"; best candidate {row.anchor}, p = {row.goal_probability:.3f}{about}" if row.anchor else ""
     return found + (f"; seen of the regions: {', '.join(row.regions)}" if row.regions else "")
 
 
 def _ranges(seeds: Sequence[int]) -> str:
-    """Return ascending numbers with runs of neighbours drawn together: 0-3, 7, 9-10."""
+    """Return ascending numbers as ranges: 0-3, 7, 9-10."""
     ranges: list[list[int]] = []
     for seed in seeds:
         if ranges and seed == ranges[-1][-1] + 1:

@@ -1,4 +1,4 @@
-"""What a table says of one run, read from its trace: a run just done and one done long ago give the same row."""
+"""One run as a row of a results file, read from its trace: a new run and an old one give the same row."""
 
 import csv
 import io
@@ -32,31 +32,31 @@ TIMES = (*PARTS, "total")
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One run. Every field but the last two is the same on every repetition.
+    """The result of one run. Every field but the last two is the same in every repetition.
 
     Attributes:
         scenario: The scenario's name.
-        seed: Of every draw.
-        world: Which simulator.
-        status: How the run ended.
+        seed: Seed of every random draw.
+        world: Name of the simulator.
+        status: The end of the run.
         believed: Whether the robot believes its goal achieved.
         true: Whether the goal is true in the simulator; None if the run was cut short.
         own: Whether it is true of the object that the robot has in mind; None if the run was cut short.
         expected: How the scenario says that the run ends.
-        actions: Executed actions.
+        actions: Number of executed actions.
         replans: How often plans were dropped.
-        clingo_calls: Calls of the rules.
+        clingo_calls: Number of solver calls.
         simulated_s: Simulated time, seconds.
-        goal_probability: What the robot believes of its goal's best candidate.
+        goal_probability: Probability that the goal holds of its best candidate, in the belief.
         anchor: That candidate.
-        conjuncts: What is believed of it: each property or fluent with its probability.
-        regions: How much of each region has been seen.
+        conjuncts: Probability of each property or fluent of the candidate.
+        regions: Share of each region that has been seen.
         witness: A true object that makes the goal true.
         sequence: The executed operators with their arguments.
         reason: Why the run ended.
         trace: Name of the trace; empty if there is none, because every worker that ran it died.
-        content_hash: Of everything in the trace but wall times.
-        size_bytes: Of the trace; with it the wall times are recorded.
+        content_hash: Hash of everything in the trace but wall times.
+        size_bytes: Size of the trace, wall times included.
         seconds: Wall time by part, and `total`.
     """
 
@@ -100,7 +100,7 @@ class Row:
         return self.succeeded if self.achievable else self.status == self.expected
 
     def facts(self) -> dict[str, object]:
-        """Return every field that is the same on every repetition, by name, in order."""
+        """Return every field that is the same in every repetition, by name, in order."""
         return {name: getattr(self, name) for name in FACTS}
 
 
@@ -117,7 +117,7 @@ def read_row(trace: Trace, name: str, setup: Setup) -> Row:
 
     Args:
         trace: The trace.
-        name: What the table calls it.
+        name: Name of the trace in the results file.
         setup: What the run was made of.
 
     Raises:
@@ -196,12 +196,12 @@ def lost_row(start: RunStart, expected: RunStatus, reason: str) -> Row:
 
 
 def results_csv(rows: Iterable[Row]) -> str:
-    """Return what does not depend on how fast or in which order the runs were done."""
+    """Return the results as CSV: every field that is the same in every repetition."""
     return _csv(FACTS, ([_cell(value) for value in row.facts().values()] for row in rows))
 
 
 def times_csv(rows: Iterable[Row]) -> str:
-    """Return the wall times, seconds."""
+    """Return the wall times in seconds as CSV."""
     head = ("scenario", "seed", *TIMES)
     return _csv(head, ([row.scenario, str(row.seed), *(f"{row.seconds[part]:.3f}" for part in TIMES)] for row in rows))
 
@@ -223,7 +223,7 @@ def _cell(value: object) -> str:
 
 
 def put(path: Path, data: bytes) -> None:
-    """Write a file so that it is whole or not there at all."""
+    """Write a file so that it is either whole or missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(path.name + ".partial")
     partial.write_bytes(data)

@@ -1,4 +1,4 @@
-"""A sweep: what there is to do, what of it is done already, the rest on workers, and the tables of it all."""
+"""A sweep: the list of runs, the results of earlier runs, the other runs on workers, and the results files."""
 
 import json as json_format
 import re
@@ -21,14 +21,14 @@ INTERRUPTED = 130
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """What one account is of: a scenario for many seeds, or the scenarios that a family has for them.
+    """The runs of one section of the report: one scenario with many seeds, or one scenario of a family for each seed.
 
     Attributes:
-        name: Of the account.
-        source: What the command line calls it: a file, or a family.
-        setups: The scenario of each seed, found without fault.
-        overrides: What was changed of each of them.
-        tasks: A run for each seed, in order.
+        name: Name of the scenario or family.
+        source: Its name on the command line: a file, or a family.
+        setups: The checked scenario of each seed.
+        overrides: Changed values of each of them.
+        tasks: One task for each seed, in order.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What a sweep is to do: groups by name."""
+    """The runs of a sweep, as groups by name."""
 
     groups: Sequence[Group]
 
@@ -71,15 +71,15 @@ def plan(
     families: Sequence[str] = (),
     bound: float | None = None,
 ) -> Plan:
-    """Return what there is to do.
+    """Return the runs of a sweep.
 
     Args:
-        files: Scenarios, each run for every seed.
-        seeds: Of the runs, and of the worlds of families.
-        world: Which simulator.
-        overrides: Changes of every scenario.
-        families: Whose world of each seed is run once.
-        bound: How sure the robot must be in worlds of families, instead of what is drawn.
+        files: Scenario files; each is run for every seed.
+        seeds: Seeds of the runs, and of the worlds of families.
+        world: Name of the simulator.
+        overrides: Changed values of every scenario.
+        families: Families; the world of each seed is run once.
+        bound: The bound of the goals in worlds of families, instead of a drawn one.
 
     Raises:
         InputError: With every fault of every scenario, or if two have the same name, or if there is nothing to do.
@@ -113,7 +113,7 @@ def plan(
 
 
 def _of_family(family: str, seeds: range, world: str, overrides: Sequence[str], bound: float | None) -> Group:
-    """Return the worlds of a family, each with its one run."""
+    """Return the worlds of a family, each with one run."""
     setups, tasks = {}, []
     changed = [*overrides, *([] if bound is None else [f"bound {bound:g}"])]
     for seed in seeds:
@@ -127,10 +127,10 @@ def _of_family(family: str, seeds: range, world: str, overrides: Sequence[str], 
 def execute(
     plan: Plan, out: Path, workers: int, scheduler: str | None, write: Path | None, json: bool, quiet: bool
 ) -> int:
-    """Do the runs that are not done yet, write the tables, print what came of it, and return the exit status.
+    """Do the runs that are not done yet, write the results files, print the results, and return the exit status.
 
     Raises:
-        InputError: If the tables could not be written in the end.
+        InputError: If the results files could not be written in the end.
     """
     _check_places(out, write)
     rows = {
@@ -160,7 +160,7 @@ def execute(
 
 
 def _check_places(out: Path, write: Path | None) -> None:
-    """Refuse places where nothing can be written, before hours of runs."""
+    """Refuse folders and files that cannot be written, before hours of runs."""
     faults = []
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -180,7 +180,7 @@ def _check_places(out: Path, write: Path | None) -> None:
 def _do_the_others(
     plan: Plan, out: Path, rows: dict[str, Row], workers: int, scheduler: str | None, quiet: bool
 ) -> None:
-    """Do every run that has no row yet; put its trace into `out` and its row into `rows` as soon as it is there."""
+    """Do every run without a row, and put its trace into `out` and its row into `rows` at once."""
     missing = [task for task in plan.tasks if task.name not in rows]
     if not missing:
         return
@@ -200,7 +200,7 @@ def _do_the_others(
 
 
 def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
-    """Return the rows there are, by group and seed."""
+    """Return the finished rows, by group and seed."""
     return [
         Part(
             name=group.name,
@@ -215,7 +215,7 @@ def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
 
 
 def _write_tables(parts: Sequence[Part], out: Path, write: Path | None) -> None:
-    """Write the tables of the sweep, and the accounts into the file `write`: of complete sweeps alone."""
+    """Write the results files; if the sweep is complete, also put the sections into the file `write`."""
     rows = [row for part in parts for row in part.rows]
     put(out / "results.csv", results_csv(rows).encode())
     put(out / "times.csv", times_csv(rows).encode())

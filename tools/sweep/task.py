@@ -1,6 +1,6 @@
-"""One run of a sweep, as a message: everything a process on any machine needs to do it, and what it gives back.
+"""One run of a sweep as a message to a worker on any machine, with all of its inputs, and the worker's answer.
 
-Nothing is assumed of a shared file system. The worker is the same program as the one that asks, or it refuses.
+No shared file system is needed. A worker that runs another version of the program refuses.
 """
 
 import hashlib
@@ -23,12 +23,12 @@ from skolem.traces import Trace
 from skolem.traces.errors import InputError, SkolemError, TraceError
 from skolem.traces.messages import RunStart, RunStatus
 
-BY_ITSELF = frozenset({"goal_achieved", "goal_unachievable", "limit_reached"})  # ends that another attempt would repeat
+BY_ITSELF = frozenset({"goal_achieved", "goal_unachievable", "limit_reached"})  # another attempt would end alike
 HASH_DIGITS = 8
 
 
 class WorkerRefusedError(SkolemError):
-    """A worker cannot do the run as it was meant."""
+    """A worker cannot do the run as asked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +36,12 @@ class Task:
     """One run to do.
 
     Attributes:
-        name: Of its trace.
+        name: Name of its trace.
         scenario: Text of the scenario file, overrides applied.
         rules: Name and content of the scenario's own rule files.
-        start: What the trace must begin with.
-        expected: How the scenario says that the run ends.
-        source: The program that asks.
+        start: The start that the trace must have.
+        expected: The end that the scenario expects.
+        source: Hash of the program that asks.
     """
 
     name: str
@@ -54,19 +54,19 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """What a run gave: its row, and its trace as bytes."""
+    """The result of a run: its row, and its trace as bytes."""
 
     row: Row
     trace: bytes
 
 
 def tasks_of(setup: Setup, overrides: Sequence[str], seeds: range) -> list[Task]:
-    """Return a task per seed.
+    """Return a task for each seed.
 
     Args:
-        setup: The scenario with its overrides, found without fault.
+        setup: The checked scenario with its overrides.
         overrides: The same overrides, for the names of the traces.
-        seeds: Of the runs.
+        seeds: Seeds of the runs.
     """
     text = setup.document.effective_text()
     rules = tuple((path.name, path.read_bytes()) for path in setup.document.rules)
@@ -87,10 +87,10 @@ def tasks_of(setup: Setup, overrides: Sequence[str], seeds: range) -> list[Task]
 
 
 def done_before(task: Task, setup: Setup, folder: Path) -> Row | None:
-    """Return the row of the run's trace in `folder`, or None if it has to be done.
+    """Return the row of the run's trace in `folder`, or None if the run is still to be done.
 
-    A trace counts if it is whole, was made of the same scenario, rules, robot and seed by the same program, and the run
-    ended by itself.
+    A trace counts if it is whole, was made from the same scenario, rules, robot and seed by the same program, and the
+    run ended by itself.
     """
     path = folder / task.name
     if not path.exists():
@@ -105,7 +105,7 @@ def done_before(task: Task, setup: Setup, folder: Path) -> Row | None:
 
 
 def dask_setup(worker: object) -> None:
-    """Leave Ctrl-C and a closed terminal to the process that asks; dask calls this where it starts a process."""
+    """Leave Ctrl-C and a closed terminal to the process that asks; dask calls this in each process that it starts."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
 
@@ -114,7 +114,7 @@ def run_on_worker(task: Task) -> Finished:
     """Do a run in a worker process of dask.
 
     Raises:
-        WorkerRefusedError: If the worker has several threads, or is another program.
+        WorkerRefusedError: If the worker has several threads, or runs another version of the program.
     """
     from distributed import get_worker
 
@@ -126,10 +126,10 @@ def run_on_worker(task: Task) -> Finished:
 
 
 def perform(task: Task, folder: Path) -> Finished:
-    """Do a run, with an empty folder to work in; a run that raises gives a trace that ends with the reason.
+    """Do a run in an empty folder; the trace of a run that raises ends with the reason.
 
     Raises:
-        WorkerRefusedError: If this is another program than the one that asks.
+        WorkerRefusedError: If the program that asks has another version.
     """
     watch, path = Stopwatch(), folder / "run.mcap"
     with watch.part(LOADING):
@@ -144,7 +144,7 @@ def perform(task: Task, folder: Path) -> Finished:
 
 @cache
 def _shipped() -> Rulebook:
-    """Return the rules that ship: to read them is half of a symbolic run, so a worker does it once."""
+    """Return the rules that ship; a worker reads them once, because that takes half the time of a symbolic run."""
     return load_rules()
 
 

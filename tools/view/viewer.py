@@ -1,8 +1,7 @@
-"""The rerun viewer as a child process: on this machine only, silent to the network, and gone when we are gone.
+"""The rerun viewer as a child process that uses no network beyond this machine and ends with its parent.
 
-The binary is started itself: the `rerun` command is a Python wrapper whose end leaves the viewer behind. It listens on
-127.0.0.1, never on all addresses as it would by default, and finds its usage statistics switched off in a configuration
-folder of its own.
+The binary is started directly: the `rerun` command is a Python wrapper whose end leaves the viewer behind. The viewer
+listens on 127.0.0.1, not on all addresses as by default; its own configuration folder switches usage statistics off.
 """
 
 import json
@@ -28,12 +27,12 @@ from skolem.traces.scene.rows import SIM_TIME, STEP
 
 LOOPBACK: Final = "127.0.0.1"
 READY_S, POLL_S = 60.0, 0.05
-DRAW_S, STILL_S, SETTLE_S = 1.0, 0.3, 15.0  # until most is drawn, between two looks, at most until nothing changes
+DRAW_S, STILL_S, SETTLE_S = 1.0, 0.3, 15.0  # first wait, wait between two pictures, longest wait for a stable picture
 WINDOW: Final = "1600x1000"
 NO_DRIVER: Final = (
     "the viewer finds no Vulkan driver; install one (software, on Debian and Ubuntu: apt install mesa-vulkan-drivers)"
 )
-_DRIVER_WORDS = ("No graphics adapter", "Failed to get render context")  # as the viewer says it
+_DRIVER_WORDS = ("No graphics adapter", "Failed to get render context")  # in messages of the viewer
 _DISPLAY_WORDS = ("DISPLAY is set", "connection to X server")
 Moment = tuple[Literal["step"], int] | tuple[Literal["time"], float]
 
@@ -44,8 +43,8 @@ class Viewer:
     """A running viewer.
 
     Attributes:
-        port: Where it takes data and questions.
-        web_port: Where it serves its web page; 0 if it does not.
+        port: Its port for data and questions.
+        web_port: The port of its web page; 0 if it serves none.
     """
 
     def __init__(self, process: "subprocess.Popen[bytes]", said: Path, port: int, web_port: int) -> None:
@@ -54,12 +53,12 @@ class Viewer:
 
     @property
     def pid(self) -> int:
-        """Its process."""
+        """The id of its process."""
         return self._process.pid
 
     @property
     def url(self) -> str:
-        """Where data is sent."""
+        """The address for data."""
         return f"rerun+http://{LOOPBACK}:{self.port}/proxy"
 
     @property
@@ -69,7 +68,7 @@ class Viewer:
         return f"http://{LOOPBACK}:{self.web_port}/?url={data}&renderer=webgl&hide_welcome_screen=1&theme=dark"
 
     def send(self, data: bytes, last: bool = False) -> bool:
-        """Let a viewer that was started without a recording draw more of one; return whether it is still there."""
+        """Send more data to a viewer that was started without a recording; return whether it still runs."""
         assert self._process.stdin is not None, "started without a recording"
         try:
             self._process.stdin.write(data)
@@ -81,7 +80,7 @@ class Viewer:
         return not self.closed
 
     def loaded(self) -> ViewerClient:
-        """Return a connection to it, once it shows a recording."""
+        """Wait until it shows a recording, and return a connection to it."""
 
         def showing() -> ViewerClient | None:
             client = ViewerClient.connect(self.url)
@@ -91,7 +90,7 @@ class Viewer:
         return self._until("show the recording", showing)
 
     def serving(self) -> str:
-        """Return the address of its web page, once it is there."""
+        """Wait for its web page, and return the address."""
 
         def listening() -> str | None:
             with socket.create_connection((LOOPBACK, self.web_port), 1.0):
@@ -103,7 +102,7 @@ class Viewer:
         """Wait until it is closed.
 
         Raises:
-            InputError: If it cannot run here; says what to install.
+            InputError: If it cannot run here, with what to install.
         """
         if self._process.wait() != 0:
             raise self._complaint()
@@ -114,12 +113,12 @@ class Viewer:
         return self._process.poll() is not None
 
     def _until(self, what: str, attempt: Callable[[], Found | None]) -> Found:
-        """Return what an attempt gives as soon as it gives anything."""
+        """Repeat an attempt until it gives a result, and return that."""
         deadline = time.monotonic() + READY_S
         while time.monotonic() < deadline:
             if self.closed:
                 raise self._complaint()
-            with suppress(Exception):  # not listening yet, in as many words as there are libraries below
+            with suppress(Exception):  # each library below has its own error for a viewer that does not listen yet
                 found = attempt()
                 if found is not None:
                     return found
@@ -141,7 +140,7 @@ class Viewer:
 
 @contextmanager
 def viewer(kind: Literal["window", "headless", "web"], recording: Path | None = None) -> Iterator[Viewer]:
-    """Run the viewer, with a recording or with what is sent to it; it ends with the block, and with this process.
+    """Run the viewer for a recording or for sent data; it ends with the block, and with this process.
 
     Raises:
         InputError: If a window is wanted and there is no display.
@@ -165,12 +164,12 @@ def viewer(kind: Literal["window", "headless", "web"], recording: Path | None = 
         finally:
             end(process)
             if process.stdin is not None:
-                with suppress(BrokenPipeError):  # what it did not read any more
+                with suppress(BrokenPipeError):  # the viewer may have ended before it read everything
                     process.stdin.close()
 
 
 def shoot(recording: Path, picture: Path, moment: Moment | None) -> list[str]:
-    """Draw a recording at a moment (None: its end) into a PNG file, without a display; return what went wrong in it.
+    """Draw a recording at a moment (None: its end) as a PNG file, without a display; return the faults of the picture.
 
     Raises:
         InputError: If the viewer cannot run here, with what to install, or the picture cannot be written.
@@ -187,12 +186,12 @@ def shoot(recording: Path, picture: Path, moment: Moment | None) -> list[str]:
         elif moment is not None:
             client.set_time(SIM_TIME, duration=moment[1], play_state="paused")
         drawn = Image.open(BytesIO(_settled(client)))
-        drawn.convert("RGB").save(picture, format="PNG", optimize=True)  # a third smaller than the viewer's own
+        drawn.convert("RGB").save(picture, format="PNG", optimize=True)  # a third smaller than the viewer's file
         return complaints(client)
 
 
 def _settled(client: ViewerClient) -> bytes:
-    """Return what the viewer shows, as PNG, once meshes and labels have come and nothing changes any more."""
+    """Wait until meshes and labels are drawn and the picture is stable, and return it as PNG."""
     deadline = time.monotonic() + SETTLE_S
     time.sleep(DRAW_S)
     before, now = b"", client.take_screenshot()
@@ -203,20 +202,20 @@ def _settled(client: ViewerClient) -> bytes:
 
 
 def complaints(client: ViewerClient) -> list[str]:
-    """Return what views report and the viewer logs as errors."""
+    """Return the errors that views report and the viewer logs."""
     reports = [f"{view.name}: {report}" for view in client.get_state().views for report in view.reports]
     return reports + [entry.message for entry in client.get_logs() if entry.level.upper() == "ERROR"]
 
 
 def free_port() -> int:
-    """Return a port that nobody listens on just now."""
+    """Return a port on which nobody listens now."""
     with socket.socket() as probe:
         probe.bind((LOOPBACK, 0))
         return int(probe.getsockname()[1])
 
 
 def private_environment(home: Path) -> dict[str, str]:
-    """Return the environment of a viewer that keeps its files in `home` and sends no statistics."""
+    """Return environment variables for a viewer that keeps its files in `home` and sends no statistics."""
     (home / "rerun").mkdir(parents=True)
     (home / "rerun" / "analytics.json").write_text(json.dumps({"analytics_enabled": False}), encoding="utf-8")
     return os.environ | {"CI": "1", "XDG_CONFIG_HOME": str(home), "XDG_DATA_HOME": str(home), "RUST_LOG": "warn"}

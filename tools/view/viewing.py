@@ -1,4 +1,4 @@
-"""A run shown to a person: recorded for rerun, opened in a window or browser, drawn as a picture, or followed live."""
+"""Views of a run: as a rerun recording, in a window or browser, as a picture, or live."""
 
 import sys
 import time
@@ -24,15 +24,15 @@ POLL_S = 0.1
 
 
 def pr2_model() -> RobotModel:
-    """Return what the PR2 looks like and what its joints are called."""
+    """Return the PR2's meshes and the names of its joints."""
     return RobotModel(patched_urdf_path(), BASE_FRAME, pr2.BASE, pr2.TORSO, pr2.HEAD, pr2.ARM)
 
 
 def spare_traces(out: Path, trace: Path) -> None:
-    """Refuse to write over a trace, the one that is looked at or another.
+    """Refuse to write over a trace, `trace` itself or another one.
 
     Raises:
-        InputError: If `out` is one, or a folder, or cannot be read to see what it is.
+        InputError: If `out` is a trace or a folder, or cannot be read to find out.
     """
     try:
         same = out.exists() and out.samefile(trace)
@@ -78,14 +78,14 @@ def serve(recording: Path) -> None:
 
 
 def follow_run(partial: Path, raw: bool = False) -> None:
-    """Show a run in a window while it is recorded; the window stays when the run has ended, until it is closed."""
+    """Show a run in a window while it is recorded; after the run the window stays until it is closed."""
     with viewer.viewer("window") as shown, suppress(KeyboardInterrupt):
         draw_growing(partial, shown, raw)
         shown.wait()
 
 
 def draw_growing(growing: Path, shown: viewer.Viewer, raw: bool = False) -> None:
-    """Send a trace that is being written to a viewer, step by step, until the run ends or the viewer is closed."""
+    """Send a growing trace to a viewer step by step, until the run ends or the viewer is closed."""
     stream = rr.RecordingStream(APPLICATION)
     wire = rr.binary_stream(stream)
     scene = Scene(stream, pr2_model(), raw)
@@ -105,7 +105,7 @@ def moment_of(text: str, run: Trace) -> viewer.Moment:
     """Return the moment that `step=N` or `time=S` names.
 
     Raises:
-        InputError: If it is neither, or not within the run.
+        InputError: If the text is neither, or the moment is not within the run.
     """
     kind, _, number = text.partition("=")
     try:

@@ -231,7 +231,7 @@ def begin(path: Path) -> IO[bytes]:
 
 
 def refuse_special(path: Path) -> None:
-    """Refuse the path of a device, a pipe or a socket: renaming the trace to it would replace it.
+    """Refuse a folder, device, pipe or socket: a finished trace is renamed to this path and would replace it.
 
     Raises:
         InputError: If the path exists and is no file.
