@@ -56,7 +56,7 @@ class Mind:
 
     @property
     def belief(self) -> Belief:
-        """What is believed; it goes on with every update."""
+        """The belief, which every update changes."""
         return self._belief
 
     @property
@@ -66,11 +66,11 @@ class Mind:
 
     @property
     def posed(self) -> PosedGoal:
-        """The goal in the belief as it was when stock was last taken."""
+        """The goal, posed in the belief of the last `take_stock`."""
         return self._agent.posed
 
     def take_stock(self, step: int) -> None:
-        """Pose the goal of the belief as it is now, as `decide` begins, and emit nothing of that."""
+        """Pose the goal in the present belief, which is how `decide` begins, without emitting messages."""
         self._geometry.sync(self._belief.snapshot(step))
         self._agent.take_stock()
 
@@ -98,7 +98,7 @@ class Mind:
             self._belief.update(action, result, observation)
 
     def memory(self, step: int) -> Memory:
-        """Return what is remembered from before a decision; with the belief, all that it depends on."""
+        """Return the memory before a decision; with the belief, the decision depends on nothing else."""
         return self._agent.memory(step)
 
     def recall(self, memory: Memory) -> None:

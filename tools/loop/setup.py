@@ -134,7 +134,7 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
         return [(0, message) for message in wrong]
 
     scenario = check(document, rulebook.vocabulary.types, faults)
-    [goal] = goals  # a scenario without fault has had its goal read, once
+    [goal] = goals  # the check of a scenario without fault has read its goal, once
     return scenario, goal
 
 

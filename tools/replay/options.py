@@ -1,4 +1,4 @@
-"""Options that the verbs `replay` and `reproduce` share: how exactly two runs are compared, and how much is printed."""
+"""Options of both `replay` and `reproduce`: the tolerance of floats, and which divergences are printed."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Replays from the command line: reported in the order of the traces, and the exit status of them all."""
+"""Replays from the command line: a report for each trace, in order, and one exit status."""
 
 import json as json_format
 import os
@@ -11,20 +11,20 @@ from skolem.tools.replay.reports import EXIT, Report, Status, Wanted
 from skolem.tools.words.printable import printable
 from skolem.traces.errors import Fault, InputError
 
-PAYS = 8  # traces a process: it takes as long to start as a few replays
+PAYS = 8  # fewest traces for one more process: its start takes as long as a few replays
 
 
 def execute(traces: Sequence[Path], wanted: Wanted, workers: int | None, json: bool) -> int:
-    """Replay each trace, print what came of it, and return the exit status: that of the worst.
+    """Replay each trace, print its report, and return the exit status of the worst.
 
     Args:
-        traces: Of runs.
+        traces: Traces of runs.
         wanted: The options.
-        workers: Processes that share them; None: as many as pay.
-        json: Print one JSON object a trace instead of lines for people.
+        workers: Number of processes that share the traces; None: as many as save time.
+        json: Whether to print one JSON object per trace instead of lines for people.
 
     Raises:
-        InputError: If the options contradict one another, or what they name is wrong.
+        InputError: If the options contradict one another, or their files or values are wrong.
         TraceError: If the only trace cannot be read.
     """
     _check(wanted)
@@ -43,7 +43,7 @@ def execute(traces: Sequence[Path], wanted: Wanted, workers: int | None, json: b
 
 
 def _reports(traces: Sequence[Path], wanted: Wanted, workers: int | None) -> Iterator[Report]:
-    """Yield what came of each trace, of many even if something is wrong with it."""
+    """Yield the report of each trace; of many traces also for those with an error."""
     replayer = Replayer(wanted)
     count = workers or min(len(os.sched_getaffinity(0)), len(traces) // PAYS)
     if len(traces) == 1:
@@ -51,7 +51,7 @@ def _reports(traces: Sequence[Path], wanted: Wanted, workers: int | None) -> Ite
     elif count <= 1:
         yield from map(replayer.told, traces)
     else:
-        from skolem.tools.replay import pool  # processes, which one trace does without
+        from skolem.tools.replay import pool  # loads multiprocessing, which one trace does not need
 
         yield from pool.reports(traces, wanted, count)
 
