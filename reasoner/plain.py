@@ -1,4 +1,4 @@
-"""The neutral answer to every question that is asked of a belief. May import: protocols.
+"""A belief with a neutral answer to every question. May import: protocols.
 
 One's own belief derives from `PlainBelief` and overrides what it knows better.
 """
@@ -31,10 +31,10 @@ class Normal:
 
 
 class PlainBelief:
-    """A belief in an empty world that is known completely, with sensors that never err. Satisfies `BeliefQueries`.
+    """A belief in an empty, completely known world, with sensors that never err. Satisfies `BeliefQueries`.
 
-    Some answers follow from others, so that one override serves several questions: what exists follows from `anchors`,
-    what an object lies on from `support`.
+    Some answers follow from others, so that one override serves several questions: existence follows from `anchors`,
+    `prob_on` from `support`.
     """
 
     @property

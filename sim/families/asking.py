@@ -1,4 +1,4 @@
-"""Drawing goals: of a thing that is there, or freely; one variable or two, alternatives, comparisons, bounds."""
+"""Drawing of goals, about existing objects or freely: one or two variables, alternatives, comparisons, bounds."""
 
 from collections.abc import Sequence
 
@@ -11,14 +11,14 @@ from skolem.sim.families.margins import WEIGHT_SD_KG
 from skolem.sim.families.words import Words
 from skolem.sim.families.world import Thing, World
 
-BOUNDS = (0.8, 0.9, 0.9, 0.95)  # of what denotes
-PLACED = (0.8, 0.9)  # of where it is
-FREELY = 0.15  # share of goals that are drawn without looking whether anything fits
+BOUNDS = (0.8, 0.9, 0.9, 0.95)  # of denotations
+PLACED = (0.8, 0.9)  # of the object's being on the target
+FREELY = 0.15  # share of goals that are drawn without regard to existing objects
 TWO = 0.2  # share of goals with two variables
-ONLY_KNOW = 0.1  # share of goals that ask for nothing but to know which one it is
+ONLY_KNOW = 0.1  # share of goals that ask only for the denotation
 EITHER = 0.25  # share of colours and types that come with an alternative
 COMPARED = 0.4  # share of weights that are compared with a number
-TOO_PLAIN = frozenset({"black", "grey", "white"})  # in worlds with crates, which are of such colours
+TOO_PLAIN = frozenset({"black", "grey", "white"})  # in worlds with crates, which have these colours
 HEAVIEST_G = 900
 
 
@@ -26,11 +26,11 @@ def asked(draw: Generator, world: World, words: Words, about: Sequence[Thing], t
     """Draw the goal of a world.
 
     Args:
-        draw: Of the goal.
-        world: Gets the clauses and the bounds.
+        draw: Generator of the goal.
+        world: The world; it gets the clauses and the bounds.
         words: The vocabulary.
-        about: What the goal may be about.
-        targets: The tables that it may name.
+        about: Objects that the goal may be about.
+        targets: Tables that the goal may name.
     """
     world.bound, world.placed = pick(draw, BOUNDS), pick(draw, PLACED)
     if world.variant.impossible == "nothing_fits":
@@ -59,7 +59,7 @@ def _only_known(draw: Generator, world: World) -> bool:
 
 
 def _of(draw: Generator, thing: Thing, things: Sequence[Thing], words: Words, world: World) -> Description:
-    """Return a description that fits a thing: one to three of its type, colour and weight."""
+    """Return a description that fits an object: one to three of its type, colour and weight."""
     kinds = [str(kind) for kind in draw.permutation(["colour", "type", "weight"])][: int(draw.integers(1, 4))]
     if world.variant.impossible == "nothing_reached":
         kinds = ["colour", "type"]
@@ -80,7 +80,7 @@ def _of(draw: Generator, thing: Thing, things: Sequence[Thing], words: Words, wo
 
 
 def _either(draw: Generator, word: str, others: Sequence[str]) -> tuple[Property, ...]:
-    """Return a word, now and then with another one that would do as well."""
+    """Return a word, sometimes with an alternative."""
     if float(draw.random()) >= EITHER:
         return (Property(word),)
     second = pick(draw, [other for other in others if other != word])
@@ -88,7 +88,7 @@ def _either(draw: Generator, word: str, others: Sequence[str]) -> tuple[Property
 
 
 def _weighing(draw: Generator, thing: Thing, things: Sequence[Thing], words: Words) -> Property:
-    """Return a word for a thing's weight, or a number that it exceeds and from which nothing is too near."""
+    """Return a word for an object's weight, or a number that it exceeds and that no weight is too near."""
     fitting = [word for word in words.weight_words() if Property(word).holds(body(thing), words)]
     numbers = [grams for grams in _clear_numbers(things) if grams / 1000.0 <= (thing.kg or 0.0)]
     if numbers and (not fitting or float(draw.random()) < COMPARED):
@@ -97,7 +97,7 @@ def _weighing(draw: Generator, thing: Thing, things: Sequence[Thing], words: Wor
 
 
 def _clear_numbers(things: Sequence[Thing]) -> list[int]:
-    """Return numbers of grams, round ones, from which every weight is three deviations away."""
+    """Return round numbers of grams from which every weight is at least three standard deviations away."""
     weights = [thing.kg for thing in things if thing.kg is not None]
     return [
         grams
@@ -107,7 +107,7 @@ def _clear_numbers(things: Sequence[Thing]) -> list[int]:
 
 
 def _free(draw: Generator, things: Sequence[Thing], words: Words) -> Description:
-    """Return a description that is drawn without regard to what is there."""
+    """Return a description that is drawn without regard to existing objects."""
     parts: list[tuple[Property, ...]] = [_either(draw, pick(draw, list(words.colours)), list(words.colours))]
     if float(draw.random()) < 0.5:
         parts.append((Property(pick(draw, graspable(words))),))
@@ -115,7 +115,7 @@ def _free(draw: Generator, things: Sequence[Thing], words: Words) -> Description
 
 
 def _of_nothing(draw: Generator, things: Sequence[Thing], words: Words) -> Description:
-    """Return a description that fits nothing that is there."""
+    """Return a description that fits no existing object."""
     present = {words.colour_of(thing.hsv) for thing in things if thing.hsv is not None}
     colour = Property(pick(draw, [word for word in words.colours if word not in present and word not in TOO_PLAIN]))
     if float(draw.random()) < 0.5:
@@ -124,5 +124,5 @@ def _of_nothing(draw: Generator, things: Sequence[Thing], words: Words) -> Descr
 
 
 def graspable(words: Words) -> list[str]:
-    """Return the types that a hand can grasp, in order of the alphabet."""
+    """Return the types that a hand can grasp, in alphabetical order."""
     return sorted(kind for kind, what in words.types.items() if what.graspable)

@@ -1,4 +1,4 @@
-"""What things are: types, colours and weights, drawn as the robot is told that such things are."""
+"""Types, colours and weights of objects, drawn from the same distributions as the prior states."""
 
 import math
 
@@ -10,17 +10,17 @@ from skolem.sim.families.ranges import Variant
 from skolem.sim.families.words import Hsv, Words
 
 MEDIAN_KG, SIGMA = 0.3, 0.6  # of weights
-KG = (0.05, 1.2)  # what is lighter or heavier is drawn again
+KG = (0.05, 1.2)  # weights outside are drawn again
 CONFIDENT = (0.8, 0.9, 0.95)  # share of the likeliest type
 TALL, SHORT = ("bottle", "carton"), ("can", "soda")
 ROUND = ("bottle", "can", "soda")
-STRANGERS = {"bottle": 0.15, "can": 0.2, "carton": 0.15, "soda": 0.5}  # types of what nobody has told of
+STRANGERS = {"bottle": 0.15, "can": 0.2, "carton": 0.15, "soda": 0.5}  # types of objects that are not in the prior
 CROWD = {"can": 0.1, "soda": 0.9}
-MOST_DRAWS = 10_000  # of one colour or weight: palettes and margins of the families leave room for both
+MOST_DRAWS = 10_000  # of one colour or weight; palettes and margins of the families make more draws unlikely
 
 
 def shares_around(draw: Generator, likeliest: tuple[str, ...], others: tuple[str, ...]) -> dict[str, float]:
-    """Return what the robot is told of a type: one that is likely and one or two others."""
+    """Return the prior of a type: a likely type and one or two others, with their shares."""
     first = pick(draw, likeliest)
     rest = [kind for kind in others if kind != first]
     share = pick(draw, CONFIDENT)
@@ -36,7 +36,7 @@ def type_of(draw: Generator, shares: dict[str, float]) -> str:
 
 
 def colour(draw: Generator, variant: Variant, words: Words) -> Hsv:
-    """Return a colour of the palette as far from the border of its word as the variant says."""
+    """Return a colour of the palette whose margin to the border of its word is in the variant's range."""
     palette = variant.palette
     low, high = variant.margin_sd
     for _ in range(MOST_DRAWS):
@@ -47,7 +47,7 @@ def colour(draw: Generator, variant: Variant, words: Words) -> Hsv:
 
 
 def weight(draw: Generator, variant: Variant, words: Words) -> float:
-    """Return a mass, kg, as far from the borders of words as the variant says."""
+    """Return a mass, kg, whose margin to the borders of words is in the variant's range."""
     low, high = variant.margin_sd
     for _ in range(MOST_DRAWS):
         kg = round(MEDIAN_KG * math.exp(SIGMA * float(draw.standard_normal())), DIGITS)

@@ -1,7 +1,7 @@
-"""The known answer of a world: witnesses that make its goal true, or the proof that nothing can.
+"""The known answer of a world: witnesses that make its goal true, or a proof that no object can.
 
-It comes from the true world alone, by the geometry of `reaching` and `rooms`, never from running the product. A world
-of which neither can be shown is drawn again.
+It comes from the true world alone, by the geometry of `reaching` and `rooms`, never from a run of the product. If
+neither can be shown, the world is drawn again.
 """
 
 import math
@@ -18,20 +18,20 @@ from skolem.sim.families.words import Words
 from skolem.sim.families.world import Thing, World
 from skolem.traces.messages import Pose2
 
-MOST_CLEARED = 12  # things that are put aside for one witness
+MOST_CLEARED = 12  # objects that are put aside for one witness
 
 
 @dataclass(frozen=True, slots=True)
 class Witness:
-    """A thing that one variable of the goal may stand for.
+    """An object for one variable of the goal.
 
     Attributes:
-        variable: Of the goal.
-        thing: Its name.
-        margin_sd: By how many deviations of one reading it is as described, at least.
+        variable: Variable of the goal.
+        thing: Name of the object.
+        margin_sd: Least margin by which it fits the description, in standard deviations of one reading.
         stand: world_T_base from which an arm reaches it.
-        cleared: What is taken out of its way, or out of its place on the target, before; in this order.
-        room: Where on the target it can stand; None if it is there or nothing is asked.
+        cleared: Objects to remove before from its way, or from its place on the target, in this order.
+        room: Its place on the target; None if it is there already or the goal has no target.
     """
 
     variable: str
@@ -44,14 +44,14 @@ class Witness:
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """The answer: a witness for each variable, or why there is none."""
+    """The answer: a witness for each variable, or the reason why there is none."""
 
     witnesses: tuple[Witness, ...] = ()
     impossible: Proof | None = None
 
 
 def judged(world: World, words: Words) -> Certificate | None:
-    """Return the certificate of a world, before and after all that somebody moves; None if nothing can be shown."""
+    """Return the certificate that holds before and after all moves; None if none can be shown."""
     floor = Floor(world.tables, words)
     first = _Judge(world, world.things, floor, words).certificate()
     moved = {move.id: (move.on, move.at) for move in world.moves}
@@ -63,12 +63,12 @@ def judged(world: World, words: Words) -> Certificate | None:
 
 
 def body(thing: Thing) -> Body:
-    """Return what a description is judged by."""
+    """Return the values of an object that descriptions are about."""
     return thing.type, thing.hsv, thing.kg
 
 
 class _Judge:
-    """One arrangement of things, with what was found out about it."""
+    """One arrangement of objects, for which witnesses or a proof are sought."""
 
     def __init__(self, world: World, things: Sequence[Thing], floor: Floor, words: Words) -> None:
         self._world, self._words = world, words
@@ -86,7 +86,7 @@ class _Judge:
         return Certificate(impossible=proofs[0]) if proofs else None
 
     def _fitting(self, clause: Clause) -> list[Thing]:
-        """Return what fits a description and can be lifted, or is on the target already."""
+        """Return the objects that fit a description and can be lifted or are on the target already."""
         return [
             thing
             for thing in self._things
@@ -119,7 +119,7 @@ class _Judge:
         return self._words.types[thing.type].graspable and self._stand(thing) is not None
 
     def _room(self, target: str, thing: Thing) -> tuple[Pose2, list[Thing]] | None:
-        """Return a place on the target and what must leave it before: as little as may be."""
+        """Return a place on the target and the fewest objects that must leave it before."""
         kind, table = self._words.types[thing.type], self._tables[target]
         free = next(spots(table, kind, self._things, self._floor, self._words), None)
         if free is not None:
@@ -133,7 +133,7 @@ class _Judge:
         )
 
     def _taking(self, at: Pose2, thing: Thing, others: Sequence[Thing]) -> list[Thing]:
-        """Return what stands too near to a place, with what is in the way of that."""
+        """Return the objects that stand too near to a place, with those in the way to them."""
         kind, spot = self._words.types[thing.type], (at[0], at[1], math.pi / 2)
         near = [other for other in others if not is_free(kind, str(other.on), spot, [other], GAP_M, self._words)]
         found = {
@@ -142,7 +142,7 @@ class _Judge:
         return list(found.values())
 
     def _can_put_aside(self, way: Sequence[Thing], clause: Clause, thing: Thing) -> bool:
-        """Return whether there is a place for all that is taken away, and for the thing itself besides."""
+        """Return whether there are places for all removed objects and for the object itself."""
         if not way:
             return True
         gone = {*(other.id for other in way), thing.id}
@@ -158,7 +158,7 @@ class _Judge:
         return places >= needed
 
     def _proof(self, clause: Clause) -> Proof | None:
-        """Return why nothing makes a clause true; None if that cannot be shown."""
+        """Return the reason why no object makes a clause true; None if that cannot be shown."""
         fitting = self._fitting(clause)
         if not fitting:
             return "nothing_fits"

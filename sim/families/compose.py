@@ -1,4 +1,4 @@
-"""Drawing a whole world: room, things, what is told, what happens, goal; again, counted, until its answer is known."""
+"""Drawing of a whole world: room, objects, prior, moves and goal, repeated until its answer is known."""
 
 import math
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ from skolem.sim.families.words import Words
 from skolem.sim.families.world import Move, Thing, Told, World
 
 MOST_ATTEMPTS = 1000
-MOVES_BEFORE = (2, 14)  # actions before which somebody moves a thing
+MOVES_BEFORE = (2, 14)  # least and greatest action before which an object is moved
 MOVED_GAP_M = 0.08
 
 
@@ -26,9 +26,9 @@ class Drawn:
     """A world with its answer.
 
     Attributes:
-        world: What the scenario says.
+        world: Content of the scenario.
         certificate: The answer.
-        retries: Attempts before this one, whose things found no place or whose answer could not be shown.
+        retries: Earlier attempts, whose objects found no place or whose answer could not be shown.
     """
 
     world: World
@@ -43,7 +43,7 @@ def drawn(family: str, seed: int, words: Words, bound: float | None = None) -> D
         family: One of `FAMILIES`.
         seed: Any number from 0.
         words: The vocabulary.
-        bound: How sure the robot must be of what denotes, instead of what is drawn.
+        bound: Bound of the denotations, instead of a drawn one.
     """
     variants = FAMILIES[family]
     variant = variants[seed % len(variants)]
@@ -61,12 +61,12 @@ def drawn(family: str, seed: int, words: Words, bound: float | None = None) -> D
 
 
 def _answers(variant: Variant) -> tuple[str | None, ...]:
-    """Return which answers a variant may have: by itself nothing may fit, when the goal is drawn freely."""
+    """Return the answers that a variant may have; with a freely drawn goal, it may be that no object fits."""
     return (None, "nothing_fits") if variant.impossible is None else (variant.impossible,)
 
 
 class _Drawing:
-    """One attempt, with a stream for each purpose."""
+    """One attempt at a world, with a stream for each purpose."""
 
     def __init__(self, family: str, seed: int, variant: Variant, words: Words, attempt: int) -> None:
         self._world = World(family, seed, variant)
@@ -77,7 +77,7 @@ class _Drawing:
         """Return the world.
 
         Raises:
-            NoPlaceError: If its things do not find places.
+            NoPlaceError: If its objects do not find places.
         """
         world = self._world
         world.tables = tables(self._draws[Stream.ROOM], self._variant)
@@ -98,7 +98,7 @@ class _Drawing:
         return world
 
     def _tell(self, told_types: Mapping[str, dict[str, float] | None]) -> None:
-        """Say what the robot is told: the tables, and the things that are no strangers."""
+        """Set the prior: the tables, and the objects that are no strangers."""
         draw, variant = self._draws[Stream.TOLD], self._variant
         self._world.told = [
             Told(table.id, {"table": 1.0}, sd_xy_m=0.005, sd_theta_rad=0.01) for table in self._world.tables
@@ -118,7 +118,7 @@ class _Drawing:
                 self._world.told.append(Told(thing.id, shares, sd_xy_m=sd))
 
     def _move(self, target: str) -> None:
-        """Say what somebody moves; nothing gets onto the target or into the place of anything else."""
+        """Set the moves of objects; no object gets onto the target or into another one's place."""
         draw, variant = self._draws[Stream.EVENTS], self._variant
         count = int(draw.integers(variant.moves[0], variant.moves[1] + 1))
         if count == 0:
@@ -136,7 +136,7 @@ class _Drawing:
             self._world.moves.append(Move(step, thing.id, on, at))
 
     def _about(self, reachable: list[Thing], source: str) -> list[Thing]:
-        """Return what the goal may be about: what is hard in the family, if that is one thing."""
+        """Return the objects that the goal may be about: the difficult one of the family, if there is one."""
         world, variant = self._world, self._variant
         if variant.moved == "witness" and world.moves:
             return [thing for thing in reachable if thing.id == world.moves[0].id]

@@ -8,11 +8,11 @@ from typing import TypeVar
 from numpy.random import PCG64, Generator, SeedSequence
 
 T = TypeVar("T")
-DIGITS = 4  # of every number that is drawn: a world is judged by the numbers that stand in its file
+DIGITS = 4  # of every drawn number, since a world is judged by the numbers in its file
 
 
 class Stream(IntEnum):
-    """What a stream is for; the numbers are part of what a seed means and are never reused."""
+    """The purpose of a stream; the numbers are part of a seed's meaning and are never reused."""
 
     ROOM = 1
     THINGS = 2
@@ -29,17 +29,17 @@ def stream(family: str, seed: int, purpose: Stream, attempt: int) -> Generator:
 
 
 def pick(draw: Generator, options: Sequence[T]) -> T:
-    """Return one of the options, all alike."""
+    """Return one of the options, with equal probabilities."""
     return options[int(draw.integers(len(options)))]
 
 
 def between(draw: Generator, low: float, high: float) -> float:
-    """Return a number of an interval, all alike, with so many digits as a file has."""
+    """Return a uniform draw from an interval, rounded to `DIGITS`."""
     return round(float(draw.uniform(low, high)), DIGITS)
 
 
 def poisson(draw: Generator, mean: float, least: int, most: int) -> tuple[int, float]:
-    """Return a draw of a Poisson number that is known to lie between two bounds, and the mean of such draws."""
+    """Return a draw from a Poisson distribution truncated to two bounds, and the mean of that distribution."""
     numbers = range(least, most + 1)
     shares = [mean**n / math.factorial(n) for n in numbers]
     total = sum(shares)

@@ -1,4 +1,4 @@
-"""Descriptions and goals: what they say, whether a thing fits, and by how much."""
+"""Descriptions and goals: their text, whether an object fits, and by which margin."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ Body = tuple[str, Hsv | None, float | None]  # type, colour, mass [kg]
 
 @dataclass(frozen=True, slots=True)
 class Property:
-    """A word of the vocabulary, or with `grams` the comparison of a weight."""
+    """A property: a word of the vocabulary or, with `grams`, a comparison of the weight."""
 
     word: str
     grams: int | None = None
 
     def text(self) -> str:
-        """Return it as the goal language writes it of x."""
+        """Return its text in the goal language, about x."""
         name = "".join(part.capitalize() for part in self.word.split("_"))
         return f"{name}(x)" if self.grams is None else f"{name}(x, {self.grams})"
 
@@ -35,7 +35,7 @@ class Property:
         return hsv is not None and meaning.contains(hsv)
 
     def margin(self, body: Body, words: Words) -> float:
-        """Return how many deviations of one reading the body is from where this would change."""
+        """Return the distance of a body from the border of the property, in standard deviations of one reading."""
         _, hsv, kg = body
         meaning = None if self.grams is not None else words.meanings[self.word]
         if isinstance(meaning, TypeIs):
@@ -54,7 +54,7 @@ class Description:
     parts: tuple[tuple[Property, ...], ...]
 
     def text(self) -> str:
-        """Return it as the goal language writes it of x."""
+        """Return its text in the goal language, about x."""
         said = [" | ".join(each.text() for each in part) for part in self.parts]
         return " & ".join(f"({text})" if "|" in text and len(said) > 1 else text for text in said)
 
@@ -63,14 +63,14 @@ class Description:
         return all(any(each.holds(body, words) for each in part) for part in self.parts)
 
     def margin(self, body: Body, words: Words) -> float:
-        """Return by how many deviations of one reading a body fits; 0 if it does not."""
+        """Return the margin by which a body fits, in standard deviations of one reading; 0 if it does not fit."""
         best = [max((p.margin(body, words) for p in part if p.holds(body, words)), default=0.0) for part in self.parts]
         return min(best, default=MAX_SD)
 
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """One variable of a goal: a thing so described is to be known and, with a target, to be on that table."""
+    """One variable of a goal: an object with its description must be known and, with a target, be on that table."""
 
     variable: str
     description: Description
@@ -82,8 +82,8 @@ def goal_text(clauses: Sequence[Clause], bound: float, placed: float) -> str:
 
     Args:
         clauses: One per variable.
-        bound: How sure the robot must be of what denotes.
-        placed: How sure it must be of where that is.
+        bound: Bound of the denotations.
+        placed: Bound of the objects' being on their targets.
     """
     names = ", ".join(clause.variable for clause in clauses)
     beliefs = []

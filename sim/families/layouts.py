@@ -1,4 +1,4 @@
-"""Putting things on tables, each family in its way, with what the robot is told of their types."""
+"""Layouts of objects on tables, one for each kind of family, with the prior of the objects' types."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -14,20 +14,20 @@ from skolem.traces.messages import Pose2
 
 GRASPABLE = ("bottle", "can", "carton", "soda")
 DEEPEST, MOST_ROWS = (2, 5), 3
-ROW_GAP_M = 0.015  # between things of rows, whatever was drawn
+ROW_GAP_M = 0.015  # least gap between objects of rows
 CRATE_HSV, CRATE_KG = (0.1, 0.05, 0.9), 5.0
-MIDDLE_M = 0.08  # how far from the middle of its table stands what cannot be reached
-HIDDEN_GAP_M = 0.12  # around what is put behind something
-HIDDEN_X = (-0.12, 0.0)  # how far in it stands
+MIDDLE_M = 0.08  # greatest distance of an unreachable object from the middle of its table
+HIDDEN_GAP_M = 0.12  # around a hidden object
+HIDDEN_X = (-0.12, 0.0)  # range of its x
 CROWD_TOLD = 3
 CROWD_MEANS = (14.0, 20.0, 26.0)
 
 
 class Standing:
-    """The things of one attempt at a world, put down one after another.
+    """The objects of one attempt at a world, put down one after another.
 
     Attributes:
-        shares: What the robot is told of the type of each thing; None of strangers.
+        shares: Prior of the type of each object; None for strangers.
     """
 
     def __init__(self, world: World, words: Words, draws: Mapping[Stream, Generator]) -> None:
@@ -36,15 +36,15 @@ class Standing:
         self.shares: dict[str, dict[str, float] | None] = {}
 
     def put(self, source: str, target: str, others: list[str]) -> None:
-        """Put things on tables: what is told of and, as many as the robot expects, strangers.
+        """Put objects on tables: those of the prior and, as many as it expects, strangers.
 
         Args:
             source: The table that the family is about.
             target: The table that the goal is about.
-            others: The other tables that things may stand on.
+            others: The other tables that objects may stand on.
 
         Raises:
-            NoPlaceError: If a thing does not find a place.
+            NoPlaceError: If an object does not find a place.
         """
         variant = self._variant
         if variant.impossible == "no_room":
@@ -68,7 +68,7 @@ class Standing:
         self._strangers(strangers)
 
     def _thing(self, on: str, at: Pose2, kind: str, shares: dict[str, float] | None) -> Thing:
-        """Put a thing of a type at a place; with shares the robot is told of it."""
+        """Put an object of a type at a place; with shares, it is in the prior."""
         draw = self._draws[Stream.THINGS]
         number = 1 + sum((self.shares.get(thing.id) is None) == (shares is None) for thing in self._world.things)
         name = f"{'stranger' if shares is None else 'thing'}{number}"
@@ -96,7 +96,7 @@ class Standing:
         )
 
     def _spread(self, source: str, tables: list[str], count: int) -> None:
-        """Put things on all tables but the target, the first on the source."""
+        """Put objects on all tables but the target, the first on the source."""
         draw = self._draws[Stream.THINGS]
         for i in range(count):
             kind, shares = self._drawn_type(GRASPABLE)
@@ -132,7 +132,7 @@ class Standing:
             self._thing(on, at, kind, shares)
 
     def _crowd(self, on: str, source: str) -> None:
-        """Put many things of one kind on a table; the robot is told of a few, and how many there are about."""
+        """Put many objects of one kind on a table; the prior has a few of them, and their mean number."""
         draw, (low, high) = self._draws[Stream.THINGS], self._variant.things
         count, mean = poisson(draw, pick(draw, CROWD_MEANS), low - CROWD_TOLD, high - CROWD_TOLD)
         for i in range(CROWD_TOLD + count):
@@ -157,7 +157,7 @@ class Standing:
             self._thing(on, at, kind, shares)
 
     def _groups(self, on: str, count: int) -> None:
-        """Put short things on a table with tall ones before them."""
+        """Put short objects on a table with tall ones before them."""
         draw, variant = self._draws[Stream.PLACES], self._variant
         while sum(thing.on == on for thing in self._world.things) < count:
             kind, shares = self._drawn_type(SHORT)
@@ -198,14 +198,14 @@ class Standing:
             self.shares[f"crate{number}"] = {"crate": 1.0}
 
     def _numbers_of_strangers(self) -> dict[str, int]:
-        """Return how many things nobody told of are on each table, and keep how many are expected there."""
+        """Return the number of strangers on each table, and keep the mean number that the prior states."""
         draw, (mean, most) = self._draws[Stream.THINGS], self._variant.strangers
         numbers = {table.id: poisson(draw, mean, 0, most) for table in self._world.tables}
         self._world.expected = {name: expected for name, (_, expected) in numbers.items()}
         return {name: count for name, (count, _) in numbers.items()}
 
     def _strangers(self, numbers: Mapping[str, int]) -> None:
-        """Put on each table as many things that the robot is not told of."""
+        """Put the given number of strangers on each table."""
         for name, count in numbers.items():
             for _ in range(count):
                 kind = type_of(self._draws[Stream.THINGS], STRANGERS)

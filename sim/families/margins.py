@@ -1,4 +1,4 @@
-"""How far a colour is from the border of its word, counted in deviations of one reading of the sensor."""
+"""Margins: distances of colours from the border of their word, in standard deviations of one reading."""
 
 import colorsys
 import itertools
@@ -6,16 +6,16 @@ import math
 
 from skolem.sim.families.words import Hsv, Words
 
-RGB_SD = 0.03 / 0.83  # of a reading, referred to the true colour: the sensor's deviation over the shading
+RGB_SD = 0.03 / 0.83  # of a reading, in terms of the true colour: the sensor's sd divided by the shading
 WEIGHT_SD_KG = 0.4 / 9.81  # of one weighing
-MAX_SD = 5.0  # a margin is not followed any further
+MAX_SD = 5.0  # greatest margin that is computed
 STEP_SD = 0.5
 _CORNERS = [d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]
 DIRECTIONS = tuple(tuple(c / math.hypot(*d) for c in d) for d in _CORNERS)
 
 
 def colour_margin(hsv: Hsv, words: Words) -> float:
-    """Return the radius up to which every colour around one, in RGB, has the same word or none as that one has."""
+    """Return the radius in RGB within which all colours have the same word as this one, or none if it has none."""
     if hsv not in words.margins:
         words.margins[hsv] = _margin(hsv, words)
     return words.margins[hsv]
@@ -33,5 +33,5 @@ def _margin(hsv: Hsv, words: Words) -> float:
 
 
 def _called(hsv: Hsv, word: str | None, words: Words) -> bool:
-    """Return whether a colour has that word, or with None no word at all."""
+    """Return whether a colour has a word; with None, whether it has no word."""
     return words.colour_of(hsv) is None if word is None else words.colours[word].contains(hsv)

@@ -1,4 +1,4 @@
-"""Where things stand on tables: nothing overlaps, nothing hangs over an edge, groups stand as their layout says.
+"""Places of objects on tables: without overlaps or overhangs, and in the groups of a layout.
 
 Places are in the frame of a table's top: x points away from the robot, y to its left as it faces the table.
 """
@@ -16,9 +16,9 @@ from skolem.sim.families.world import Thing
 from skolem.sim.space.footprints import footprint
 from skolem.traces.messages import ObjectType, Pose2
 
-NEAR_X, NEAR_Y = (-0.33, 0.0), (-0.46, 0.46)  # where a hand gets to from the near side
+NEAR_X, NEAR_Y = (-0.33, 0.0), (-0.46, 0.46)  # reachable from the near side
 WHOLE_X, WHOLE_Y = (-0.33, 0.33), (-0.53, 0.53)
-NARROW_SIDE_RAD = 0.6  # a box shows its narrow sides to the robot, turned by at most so much
+NARROW_SIDE_RAD = 0.6  # greatest turn of a box that shows its narrow sides to the robot
 EDGE_M = 0.02
 TRIES = 400
 ROW_FIRST_X, ROW_PITCH_Y = -0.345, 0.24
@@ -26,17 +26,17 @@ CRATE_PLAY = 0.15  # of the gap between crates
 
 
 class NoPlaceError(Exception):
-    """So many things do not fit in this attempt: another one is made."""
+    """The objects of an attempt do not fit; another attempt is made."""
 
 
 def anywhere(draw: Generator, kind: ObjectType, whole: bool = False) -> Pose2:
-    """Return a place for a thing on a table, all alike where a hand gets to, or on the whole of it."""
+    """Return a uniformly drawn place on a table: where a hand can reach, or with `whole` anywhere."""
     x, y = (WHOLE_X, WHOLE_Y) if whole else (NEAR_X, NEAR_Y)
     return between(draw, *x), between(draw, *y), turned(draw, kind)
 
 
 def turned(draw: Generator, kind: ObjectType) -> float:
-    """Return how a thing is turned: a hand gets at a box's narrow sides from in front of the table."""
+    """Return a heading of an object at which a hand reaches a box's narrow sides from in front of the table."""
     if kind.shape == "cylinder":
         return between(draw, -3.0, 3.0)
     return between(draw, math.pi / 2 - NARROW_SIDE_RAD, math.pi / 2 + NARROW_SIDE_RAD)
@@ -45,7 +45,7 @@ def turned(draw: Generator, kind: ObjectType) -> float:
 def free_place(
     kind: ObjectType, on: str, standing: Sequence[Thing], gap_m: float, words: Words, proposal: Callable[[], Pose2]
 ) -> Pose2:
-    """Return the first proposal that keeps a gap to all that stands on the table, and does not hang over its edge.
+    """Return the first proposal that keeps a gap to all objects on the table and does not hang over its edge.
 
     Raises:
         NoPlaceError: If none of `TRIES` does.
@@ -58,7 +58,7 @@ def free_place(
 
 
 def is_free(kind: ObjectType, on: str, at: Pose2, standing: Sequence[Thing], gap_m: float, words: Words) -> bool:
-    """Return whether a thing at a place of a table keeps a gap to all things on it, and its edge."""
+    """Return whether an object at a place keeps a gap to all objects on the table and stays within its edge."""
     half = words.types["table"].size_m
     reach = math.hypot(*kind.size_m[:2]) / 2.0 if kind.shape == "box" else max(kind.size_m[:2]) / 2.0
     if abs(at[0]) + reach + EDGE_M > half[0] / 2.0 or abs(at[1]) + reach + EDGE_M > half[1] / 2.0:
@@ -69,7 +69,7 @@ def is_free(kind: ObjectType, on: str, at: Pose2, standing: Sequence[Thing], gap
 
 
 def beside(draw: Generator, kind: ObjectType, group: Sequence[Thing], gap_m: Range, words: Words) -> Pose2:
-    """Return a place about a gap of that range from a thing of a group, in any direction."""
+    """Return a place beside an object of a group, in any direction, with a gap in the range."""
     other, direction = pick(draw, group), between(draw, -math.pi, math.pi)
     away = _half(kind) + _half(words.types[other.type]) + between(draw, *gap_m)
     x, y = other.at[0] + away * math.cos(direction), other.at[1] + away * math.sin(direction)
@@ -78,20 +78,20 @@ def beside(draw: Generator, kind: ObjectType, group: Sequence[Thing], gap_m: Ran
 
 
 def before(draw: Generator, kind: ObjectType, hidden: Thing, gap_m: Range, words: Words) -> Pose2:
-    """Return a place between a thing and the robot."""
+    """Return a place between an object and the robot."""
     away = _half(kind) + _half(words.types[hidden.type]) + between(draw, *gap_m)
     return round(hidden.at[0] - away, 4), round(hidden.at[1] + between(draw, -0.02, 0.02), 4), turned(draw, kind)
 
 
 def rows(draw: Generator, count: int, deepest: int, gap_m: Range, widths: Sequence[float]) -> Iterator[Pose2]:
-    """Yield places in rows that lead away from the robot, nearest first; every row but the last is as deep as may be.
+    """Yield places in rows that lead away from the robot, nearest first; every row but the last is full.
 
     Args:
-        draw: Of the places.
-        count: Of things.
-        deepest: How many stand in a row.
-        gap_m: From thing to thing.
-        widths: Diameter of each thing.
+        draw: Generator of the places.
+        count: Number of objects.
+        deepest: Number of objects in a full row.
+        gap_m: Range of gaps between objects.
+        widths: Diameter of each object.
     """
     number = -(-count // deepest)
     start = between(draw, -0.03, 0.03) - ROW_PITCH_Y * (number - 1) / 2.0
@@ -103,7 +103,7 @@ def rows(draw: Generator, count: int, deepest: int, gap_m: Range, widths: Sequen
 
 
 def crates(draw: Generator, kind: ObjectType, table: ObjectType) -> Iterator[Pose2]:
-    """Yield places of crates that fill a table but for gaps too narrow for anything."""
+    """Yield places of crates that fill a table except for gaps too narrow for any object."""
     (x, y, _), (length, width, _) = kind.size_m, table.size_m
     nx, ny = int(length // x), int(width // y)
     gap_x, gap_y = (length - nx * x) / (nx + 1), (width - ny * y) / (ny + 1)

@@ -1,4 +1,4 @@
-"""What each family draws from: its variants, taken in turn over the seeds, and their ranges.
+"""The families: the variants of each, taken in turn over the seeds, and their ranges.
 
 docs/families.md shows these numbers. They were fixed before the first run was measured on them; change them only with a
 new name, since a family and a seed name a world.
@@ -14,7 +14,7 @@ Proof = Literal["nothing_fits", "nothing_reached", "no_room"]
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """Colours of things: hue, saturation and value, each 0..1, all alike within the ranges."""
+    """Colours of objects: hue, saturation and value, each 0..1 and uniform within its range."""
 
     hue: Range = (0.0, 1.0)
     saturation: Range = (0.5, 1.0)
@@ -26,27 +26,27 @@ class Variant:
     """One kind of world.
 
     Attributes:
-        name: Of the variant within its family.
-        about: What is hard in it.
-        tables: How many there are around the robot.
-        things: Least and greatest number of things that hands can lift; strangers are among them if they are spread.
-        strangers: Mean number of things per table that the robot is not told of, and the greatest number.
-        layout: How things stand to one another.
+        name: Name of the variant within its family.
+        about: Its difficulty.
+        tables: Number of tables around the robot.
+        things: Least and greatest number of objects that hands can lift; with spread strangers included.
+        strangers: Mean number per table of objects that are not in the prior, and the greatest number.
+        layout: Arrangement of the objects.
         gap_m: Least gap between neighbours and, where they stand in groups, the greatest.
-        margin_sd: How far colours and weights are from the borders of words, in deviations of one reading.
-        palette: The colours of things.
-        sd_xy_m: Told deviation of the places of things, along each axis.
-        off_m: How far beside the truth the told places are, which the told deviation does not say; 0: drawn from it.
-        noise: Times the deviations of the sensors and the wheels.
+        margin_sd: Range of margins of colours and weights to borders of words, in standard deviations of one reading.
+        palette: The colours of objects.
+        sd_xy_m: Prior standard deviation of the places of objects, along each axis.
+        off_m: Error of the prior places beyond that deviation; 0: they are drawn with the deviation alone.
+        noise: Factor on the standard deviations of the sensors and the wheels.
         model_told: Whether the robot knows that factor.
-        prior_median: Times the median of weights that the robot is told.
-        prior_hue: Mean and deviation of the hue that the robot is told; None: nothing about it.
-        moves: Least and greatest number of times that somebody moves a thing.
-        moved: What is moved and to where: the witness alone or anything, on its own table or to another one.
-        crowded: Which table a crowd is on.
-        room_elsewhere: Whether there is a table beside source and target on which things can be put.
-        impossible: Why the goal cannot be achieved, if that is the point.
-        steps: The limit of actions.
+        prior_median: Factor on the prior median of weights.
+        prior_hue: Prior mean and standard deviation of the hue; None if the prior leaves it open.
+        moves: Least and greatest number of moves of objects from outside.
+        moved: Which objects move and to where: the witness alone or any, on its own table or to another one.
+        crowded: The table with a crowd.
+        room_elsewhere: Whether objects can be put on a table besides source and target.
+        impossible: The reason why the goal cannot be achieved, if that is the purpose.
+        steps: Limit of actions.
     """
 
     name: str

@@ -1,8 +1,7 @@
-"""Where a base can stand and an arm can reach, by simple geometry that errs on the safe side.
+"""Stands of the base and reach of the arm, by simple geometry that errs on the safe side.
 
-It knows nothing of joints: a base is a square that faces a table from its near side, an arm reaches what is so far
-ahead of it. What it calls reachable is so with room to spare; what it calls out of reach is farther away than an arm is
-long.
+There are no joints: a base is a square that faces a table from its near side, and an arm reaches places in a range
+ahead of it. A reachable place is so with a margin; a place out of reach is farther away than an arm is long.
 """
 
 import math
@@ -17,38 +16,38 @@ from skolem.sim.space.footprints import Footprint, footprint
 from skolem.traces.messages import Pose2
 from skolem.traces.messages.poses import compose2
 
-BASE_HALF_M = 0.354  # half the side of the base, and 2 cm
+BASE_HALF_M = 0.354  # half the side of the base, plus 2 cm
 DISC_M = 0.49  # around the middle of a base that turns on the way
-FROM_EDGE_M = (0.38, 0.44, 0.50)  # of a table to the middle of the base in front of it
-BACK_M = 0.56  # from where it drives straight ahead to the table
-ASIDE_M = (0.0, -0.19, 0.19)  # of the middle of the base, so that one shoulder or the other faces the thing
-AHEAD_M = (0.5, 0.84)  # what an arm reaches from the middle of the base
-TOP_M = (0.4, 1.0)  # heights of table tops at which it does so
-ARM_M = 1.25  # from the middle of the base: longer than any arm is
+FROM_EDGE_M = (0.38, 0.44, 0.50)  # from the edge of a table to the middle of the base in front of it
+BACK_M = 0.56  # the same, where the base begins to drive straight ahead to the table
+ASIDE_M = (0.0, -0.19, 0.19)  # of the middle of the base, so that one shoulder or the other faces the object
+AHEAD_M = (0.5, 0.84)  # range of an arm from the middle of the base
+TOP_M = (0.4, 1.0)  # heights of table tops within reach
+ARM_M = 1.25  # from the middle of the base: longer than any arm
 INSCRIBED_M = 0.334  # radius of the circle within the base
 GRID_M = 0.04
-HAND_HALF_M = 0.08  # half the width of what must be free before a thing, to grasp it from the table's near edge
+HAND_HALF_M = 0.08  # half the width of the free space before an object that a grasp from the table's near edge needs
 
 
 class Floor:
-    """What stands on the floor, and where a base can stand between: places that were asked about are kept."""
+    """The objects on the floor, and stands of the base between them, which are kept once found."""
 
     def __init__(self, standing: Sequence[Thing], words: Words) -> None:
-        """Take over all that stands on the floor."""
+        """Take over all objects on the floor."""
         self._standing, self._words = standing, words
         self._covers = [footprint(words.types[item.type], item.at) for item in standing]
         self._ways: dict[tuple[str, float, float], Pose2 | None] = {}
         self._stands: dict[tuple[str, float, float], Pose2 | None] = {}
 
     def stand(self, table: Thing, x: float, y: float) -> Pose2 | None:
-        """Return world_T_base from which a place on a table is reached, and to which the base can drive.
+        """Return a world_T_base to which the base can drive and from which a place on a table is reached, or None.
 
-        It drives straight from the middle of the room to a place behind that one, and then ahead.
+        The base drives straight from the middle of the room to a point behind the stand, and then ahead.
 
         Args:
             table: The table.
-            x: Of the place, in the frame of the table's top [m].
-            y: The same.
+            x: x of the place in the frame of the table's top [m].
+            y: y of the place in the same frame [m].
         """
         key = (table.id, x, y)
         if key not in self._stands:
@@ -68,7 +67,7 @@ class Floor:
         return None
 
     def _stand_at(self, table: Thing, gap: float, y: float) -> Pose2 | None:
-        """Return world_T_base before a table, if nothing is there and on the way to it."""
+        """Return world_T_base before a table; None if it or the way to it is not free."""
         key = (table.id, gap, y)
         if key not in self._ways:
             depth = self._words.types[table.type].size_m[0]
@@ -80,10 +79,10 @@ class Floor:
         return self._ways[key]
 
     def out_of_reach(self, table: Thing, x: float, y: float) -> bool:
-        """Return whether a base overlaps something on the floor wherever it is near enough to a place on a table.
+        """Return whether the base overlaps an object on the floor at every pose near enough to a place on a table.
 
-        Every point of a grid around the place is within a footprint grown by the circle in the base, less the grid's
-        width.
+        It does if every point of a grid around the place is within a footprint grown by the circle in the base, less
+        the grid's width.
         """
         px, py, _ = compose2(table.at, (x, y, 0.0))
         steps = np.arange(-ARM_M - GRID_M, ARM_M + GRID_M, GRID_M)
@@ -97,13 +96,13 @@ class Floor:
 
 
 def _way_to(point: Pose2) -> Footprint:
-    """Return what a turning base covers on the straight way from the middle of the room."""
+    """Return the footprint of a turning base on the straight way from the middle of the room."""
     x, y, _ = point
     return Footprint((x / 2.0, y / 2.0, math.atan2(y, x)), (math.hypot(x, y) / 2.0, 0.0), DISC_M)
 
 
 def in_the_way(thing: Thing, things: Sequence[Thing], words: Words) -> list[Thing]:
-    """Return what must be taken away before a hand gets at a thing, and before it gets at that; nearest first."""
+    """Return the objects that block a hand's way to an object, and those that block the way to them, nearest first."""
     found: dict[str, Thing] = {}
     open_ends = [thing]
     while open_ends:

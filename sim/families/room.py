@@ -1,4 +1,4 @@
-"""Where tables stand: around the robot, each with its x axis pointing away from it."""
+"""Places of the tables around the robot, each with its x axis pointing away from it."""
 
 import math
 
@@ -10,8 +10,8 @@ from skolem.sim.families.world import Thing
 from skolem.traces.messages import Pose2
 
 RADIUS_M = {3: (1.25, 1.45), 6: (2.2, 2.4)}  # of the circle around the robot
-TURN_RAD = 0.06  # a table is turned by at most so much
-SIDE_M = (0.802, 1.202)  # from table to table in a block, so that they nearly touch
+TURN_RAD = 0.06  # greatest turn of a table
+SIDE_M = (0.802, 1.202)  # distances of tables in a block, which nearly touch
 BLOCK_M = 1.75  # from the robot to the near edge of a block
 TABLE = "table"
 

@@ -1,4 +1,4 @@
-"""Room on a table: where one more thing can stand, or why there is none."""
+"""Room on a table: places for one more object, or the proof that there are none."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -12,14 +12,14 @@ from skolem.sim.families.words import Words
 from skolem.sim.families.world import Thing
 from skolem.traces.messages import ObjectType, Pose2
 
-GAP_M = 0.06  # to what stands there already
-XS, YS = (-0.26, -0.18, -0.10, -0.02), tuple(round(0.06 * i, 2) for i in range(-7, 8))  # places that are tried
-APART_M = 0.2  # of places that are counted together
+GAP_M = 0.06  # to the objects on the table
+XS, YS = (-0.26, -0.18, -0.10, -0.02), tuple(round(0.06 * i, 2) for i in range(-7, 8))  # of the places tried
+APART_M = 0.2  # least distance of places that can be used together
 GRID_M = 0.01
 
 
 def spots(table: Thing, kind: ObjectType, things: Sequence[Thing], floor: Floor, words: Words) -> Iterator[Pose2]:
-    """Yield places on a table where a thing can be put down and that a base can stand at, all of them free."""
+    """Yield free places on a table that can be reached from a stand of the base."""
     for x in XS:
         for y in YS:
             if is_free(kind, table.id, (x, y, math.pi / 2), things, GAP_M, words) and floor.stand(table, x, y):
@@ -27,7 +27,7 @@ def spots(table: Thing, kind: ObjectType, things: Sequence[Thing], floor: Floor,
 
 
 def spread(places: Iterable[Pose2]) -> list[Pose2]:
-    """Return places that do not take each other's room, as many as are met in order."""
+    """Return places that can be used together, chosen greedily in order."""
     chosen: list[Pose2] = []
     for at in places:
         if all(math.hypot(at[0] - other[0], at[1] - other[1]) >= APART_M for other in chosen):
@@ -36,9 +36,10 @@ def spread(places: Iterable[Pose2]) -> list[Pose2]:
 
 
 def never_room(table: Thing, kind: ObjectType, things: Sequence[Thing], words: Words) -> bool:
-    """Return whether no place of a table is free of what nobody can lift, however the thing is turned.
+    """Return whether objects that cannot be lifted leave no place on a table, whatever the object's heading.
 
-    Every point of a grid is nearer to such a thing or to the table's edge than the inner radius less the grid.
+    They leave none if every point of a grid is nearer to such an object or to the table's edge than the object's inner
+    radius less the grid's width.
     """
     length, width, _ = words.types[table.type].size_m
     inner = min(kind.size_m[:2]) / 2.0

@@ -1,4 +1,4 @@
-"""Gaps between shapes seen from above: the quick answer where circles decide, the exact one where they do not."""
+"""Gaps between shapes seen from above: by circles where these decide, else exactly."""
 
 import math
 
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 def apart(a: Footprint, b: Footprint, gap_m: float) -> bool:
-    """Return whether two footprints do not touch and have more than a gap between them."""
+    """Return whether the gap between two footprints is greater than `gap_m`."""
     (ax, ay, _), (bx, by, _) = a.world_T_centre, b.world_T_centre
     between = math.hypot(ax - bx, ay - by)
     if between - math.hypot(*a.half_m) - a.radius_m - math.hypot(*b.half_m) - b.radius_m > gap_m:
@@ -24,7 +24,7 @@ def apart(a: Footprint, b: Footprint, gap_m: float) -> bool:
 
 
 def beyond(world_T_thing: Pose2, kind: ObjectType, x: Floats, y: Floats) -> Floats:
-    """Return how far points, x and y each of shape (n,), are from the rectangle that a thing covers, shape (n,)."""
+    """Return the distance of points, x and y of shape (n,), to the rectangle that an object covers, shape (n,)."""
     fx, fy, turn = inverse2(world_T_thing)
     c, s = math.cos(turn), math.sin(turn)
     u, v = fx + c * x - s * y, fy + s * x + c * y

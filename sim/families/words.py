@@ -1,4 +1,4 @@
-"""What the words of goals mean, as far as drawing worlds needs it: given from outside, so that no rule is read here."""
+"""The meanings of words for drawing worlds; they are passed in, so that no rule file is read here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ class Words:
     Attributes:
         types: Every object type by its word.
         meanings: Every property by its word; types are properties too.
-        margins: Of colours that were asked about, kept.
+        margins: Margins of colours, kept once computed.
     """
 
     types: Mapping[str, ObjectType]
@@ -25,16 +25,16 @@ class Words:
 
     @cached_property
     def colours(self) -> dict[str, HsvVolume]:
-        """The words of colours, in order of the alphabet."""
+        """The words of colours, in alphabetical order."""
         items = sorted(self.meanings.items())
         return {word: meaning for word, meaning in items if not isinstance(meaning, TypeIs | WeightInterval)}
 
     def colour_of(self, hsv: Hsv) -> str | None:
-        """Return the first word that a colour is called by; None if there is none."""
+        """Return the first word of a colour; None if it has none."""
         return next((word for word, meaning in self.colours.items() if meaning.contains(hsv)), None)
 
     def weight_words(self) -> dict[str, WeightInterval]:
-        """Return the words of weights, in order of the alphabet."""
+        """Return the words of weights, in alphabetical order."""
         items = sorted(self.meanings.items())
         return {word: meaning for word, meaning in items if isinstance(meaning, WeightInterval)}
 

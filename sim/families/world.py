@@ -1,4 +1,4 @@
-"""A world while it is drawn: things, what the robot is told, what happens, and the goal, as plain values."""
+"""A world while it is drawn: objects, prior, moves and goal, as plain values."""
 
 from dataclasses import dataclass, field
 
@@ -10,7 +10,7 @@ from skolem.traces.messages import Pose2
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """One thing that is really there.
+    """One true object.
 
     Attributes:
         id: Its name.
@@ -31,7 +31,7 @@ class Thing:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """What the robot is told of one thing: drawn around the truth by the run, or with `at` a place that is wrong."""
+    """The prior of one object: its place is drawn around the truth by the run or, with `at`, is wrong."""
 
     id: str
     types: dict[str, float]
@@ -43,7 +43,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """Somebody puts a thing somewhere just before an action of the robot."""
+    """A move of an object from outside, just before an action of the robot."""
 
     before_step: int
     id: str
@@ -53,18 +53,18 @@ class Move:
 
 @dataclass(slots=True)
 class World:
-    """Everything that a scenario of a family says.
+    """The content of a scenario of a family.
 
     Attributes:
         family: Its name.
         seed: Its number.
         variant: The ranges it is drawn from.
-        tables: On the floor, in order.
-        things: On the tables, in order.
-        told: Of things and tables, tables first.
-        expected: Mean number of strangers per table, as the robot is told.
-        moves: In order of time.
-        clauses: Of the goal.
+        tables: Tables on the floor, in order.
+        things: Objects on the tables, in order.
+        told: Priors of all objects, tables first.
+        expected: Prior mean number of strangers per table.
+        moves: The moves in order of time.
+        clauses: The clauses of the goal.
     """
 
     family: str

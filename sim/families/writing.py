@@ -1,4 +1,4 @@
-"""A drawn world as the text of a scenario file, with a comment on whatever is not plain."""
+"""The text of a scenario file for a drawn world, with comments."""
 
 from collections.abc import Iterable, Iterator, Mapping
 
@@ -20,8 +20,8 @@ NOISE: Mapping[str, Mapping[str, float]] = {  # of the simulated sensors and whe
     "grasp": {"sd_m": 0.006, "sd_rad": 0.05},
     "place": {"sd_m": 0.003, "sd_rad": 0.03},
 }
-SCALED = "sd"  # what begins so, or with `drift`, is a deviation and grows with the factor of a family
-PRIOR_HUE = (0.5, 0.5)  # mean and deviation
+SCALED = "sd"  # keys that begin so, or with `drift`, are standard deviations, to which a family's factor applies
+PRIOR_HUE = (0.5, 0.5)  # mean and standard deviation
 COMMENT_AT = 43  # column of comments
 
 
@@ -31,8 +31,8 @@ def scenario_text(family: str, seed: int, words: Words, bound: float | None = No
     Args:
         family: One of `ranges.FAMILIES`.
         seed: Any number from 0.
-        words: What the words of goals mean.
-        bound: How sure the robot must be of what denotes, instead of what is drawn.
+        words: The vocabulary.
+        bound: Bound of the denotations, instead of a drawn one.
     """
     made = drawn(family, seed, words, bound)
     return "\n".join([*_head(made), *_told_in_general(made), *_truth(made), *_belief(made), *_expect(made), ""])
@@ -182,7 +182,7 @@ def _witness(witness: Witness) -> Iterator[str]:
 
 
 def _said(text: str, comment: str) -> str:
-    """Return a line with a comment, which begins at the same column wherever it can."""
+    """Return a line with a comment, which begins at column `COMMENT_AT` if the line is short enough."""
     return f"{text.ljust(COMMENT_AT - 1)}  # {comment}" if comment else text
 
 
