@@ -1,1 +1,1 @@
-"""What the product takes, measured beside its targets and its peers."""
+"""Measurements of the product, compared with its targets and its peers."""

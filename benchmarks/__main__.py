@@ -19,7 +19,7 @@ SECTIONS: Final = (
 
 
 def main() -> None:
-    """Run the benchmarks named on the command line; all by default, and then only their sections stay on the page."""
+    """Run the benchmarks named on the command line; by default all of them, and other sections leave the page."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("sections", nargs="*", help=f"of {', '.join(SECTIONS)}; all by default")
     names = parser.parse_args().sections or SECTIONS

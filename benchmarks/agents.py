@@ -1,4 +1,4 @@
-"""The reasoner on a problem: to its first action, and through a whole run in which all turns out as hoped."""
+"""The reasoner on a problem: up to its first action, and in a whole run in which every action succeeds."""
 
 import time
 from collections.abc import Callable
@@ -20,17 +20,17 @@ _Done = TypeVar("_Done")
 
 @dataclass(slots=True)
 class Thinking:
-    """What it took.
+    """The effort of the reasoner on a problem.
 
     Attributes:
         first_s: CPU time from the belief to the first primitive action.
         run_s: CPU time of all decisions until the goal is believed.
         decisions: The searches before the first action.
-        choice: The step that decides which object is meant, of the first plan.
-        cost: Of the first plan, the most abstract one, micro-nats.
-        clingo_calls: Before the first action.
-        actions: Executed until the goal was believed.
-        replans: Turns of the run that searched for a plan.
+        choice: The step of the first plan that decides which object is meant.
+        cost: Cost of the first plan, the most abstract one, micro-nats.
+        clingo_calls: Number of solver calls before the first action.
+        actions: Number of executed actions until the goal was believed.
+        replans: Number of turns of the run that searched for a plan.
     """
 
     first_s: float = 0.0
@@ -44,7 +44,7 @@ class Thinking:
 
 
 def ready(given: Problem, rulebook: Rulebook, optimal: bool = False) -> tuple[Imagined, Callable[[], Deciding]]:
-    """Return a belief, and what thinks from it to the first primitive action, for the first time when it is called."""
+    """Return a belief, and a function that decides from it up to the first primitive action when it is called."""
     believed = Imagined(given)
     goal = parse_goal(GOAL, rulebook.vocabulary.words(), believed.anchors())
     limits = LIMITS.model_copy(update={"optimal": optimal})
@@ -57,14 +57,14 @@ def ready(given: Problem, rulebook: Rulebook, optimal: bool = False) -> tuple[Im
 
 
 def first_action(given: Problem, rulebook: Rulebook, optimal: bool = False) -> Thinking:
-    """Return what it takes from a belief to the first primitive action."""
+    """Return the effort from a belief to the first primitive action."""
     _, think = ready(given, rulebook, optimal)
     (_, turn), seconds = _timed(think)
     return _thought(turn, seconds)
 
 
 def whole_run(given: Problem, rulebook: Rulebook) -> Thinking:
-    """Return what it takes from a belief to the goal, when every action does and shows what the plan hopes for.
+    """Return the effort from a belief to the goal, if every action has the outcome that the plan expects.
 
     Raises:
         RuntimeError: If the goal is not reached.
@@ -85,7 +85,7 @@ def whole_run(given: Problem, rulebook: Rulebook) -> Thinking:
 
 
 def _timed(work: Callable[[], _Done]) -> tuple[_Done, float]:
-    """Return what some work gives, and the CPU seconds it took."""
+    """Return the result of a function, and its CPU time in seconds."""
     begun = time.process_time()
     done = work()
     return done, time.process_time() - begun

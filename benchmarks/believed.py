@@ -1,6 +1,6 @@
-"""A problem as the reasoner meets it: a belief and a geometry that answer from tables, and outcomes as hoped for.
+"""A problem for the reasoner alone: belief and geometry answer from stored values, and every action succeeds.
 
-Nothing here takes time worth mentioning, so that what is measured is the reasoner.
+These answers take almost no time, so that the reasoner alone is measured.
 """
 
 import math
@@ -39,7 +39,7 @@ _STILL = ((0.0,) * 7,)
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """What is believed of one anchor."""
+    """The belief about one anchor."""
 
     on: str | None
     at: tuple[float, float]
@@ -53,7 +53,7 @@ class Thing:
 
 
 class Imagined(PlainBelief):
-    """A belief about a problem and the geometry of it; `carry_out` makes the outcome true that a plan hoped for."""
+    """The belief and the geometry of a problem; `carry_out` makes the outcome true that a plan expects."""
 
     def __init__(self, given: Problem) -> None:
         self._given = given
@@ -107,15 +107,15 @@ class Imagined(PlainBelief):
         return 0.98 if thing.on == support and thing.hand is None else 0.0
 
     def support(self, anchor: str) -> str | None:
-        """What the object most likely rests on; None: the floor, nothing known, or a hand."""
+        """The likeliest support of the object; None: the floor, unknown, or a hand."""
         return self.things[anchor].on
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """P(the middles of two objects are at most so far apart, in the plane)."""
+        """P(the centres of two objects are at most `distance_m` apart in the plane)."""
         return float(math.dist(self.things[anchor].at, self.things[other].at) <= distance_m)
 
     def prob_property_of_new(self, meaning: Meaning) -> float:
-        """P(an arbitrary object that nobody has met yet has the property)."""
+        """P(an arbitrary object that is not met yet has the property)."""
         return 0.5
 
     def regions(self) -> tuple[str, ...]:
@@ -127,11 +127,11 @@ class Imagined(PlainBelief):
         return support(region)
 
     def prob_contents(self, region: str) -> float:
-        """BContents: the part of the region that has been seen, known objects taken out."""
+        """BContents: the share of the region that has been seen, without known objects."""
         return 0.0 if region in self._unseen else 0.95
 
     def prob_exists_in(self, region: str, match: float) -> float:
-        """P(the unseen part of the region holds an object with a property that an arbitrary one has with p = match)."""
+        """P(the unseen part of the region holds an object with a property that has the prior p = match)."""
         return self._unseen.get(region, 0.0)
 
     def graspable(self, anchor: str) -> bool:
@@ -143,7 +143,7 @@ class Imagined(PlainBelief):
         return self._held.get(hand)
 
     def gaussian(self, quantity: Quantity, anchor: str) -> Normal:
-        """The present belief on pose (relative to the base), colour or weight (ln kg)."""
+        """The present belief about pose (relative to the base), colour or weight (ln kg)."""
         thing = self.things[anchor]
         if quantity == "weight":
             return Normal(np.array([thing.ln_kg[0]]), np.array([[thing.ln_kg[1] ** 2]]))
@@ -176,7 +176,7 @@ class Imagined(PlainBelief):
     # ------------------------------------------------------------ geometry
 
     def sync(self, belief: Belief) -> None:
-        """Take over nothing: belief and geometry are one here."""
+        """Do nothing: belief and geometry are one object here."""
 
     def ready(self, activity: Activity) -> Command | None:
         """Return the command that does `activity` from where the robot stands, or None if there is none."""
@@ -200,7 +200,7 @@ class Imagined(PlainBelief):
         return MoveBase(start_T_waypoint=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
 
     def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return the movable anchors to take away before `activity` can be done from anywhere; empty if it is free."""
+        """Return the movable anchors that block `activity` from everywhere; empty if it is free."""
         if activity.kind != "pick":
             return ()
         row = self.things[activity.anchor].on
@@ -209,7 +209,7 @@ class Imagined(PlainBelief):
     # ------------------------------------------------------------ outcomes
 
     def carry_out(self, action: Action) -> None:
-        """Take in that an action did and showed what a plan hopes for."""
+        """Update the belief as if an action had the outcome that a plan expects."""
         self._version += 1
         command = action.command
         match command:
@@ -253,5 +253,5 @@ class Imagined(PlainBelief):
         self.things[found] = Thing(on, at, False, 0.997, 1.0, (HEAVY_LN_KG, WEIGHT_SD), True, SEEN_SD_M)
 
     def tell(self, anchor: str, **fields: object) -> None:
-        """Believe something else of an anchor: fields of `Thing`."""
+        """Change the belief about an anchor: fields of `Thing`."""
         self.things[anchor] = replace(self.things[anchor], **fields)  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""The detector measured on rendered tabletops that are hard to see; the truth is the simulator's."""
+"""Measurements of the detector on rendered tabletops that are hard to see, with the simulator's truth."""
 
 import colorsys
 import math
@@ -19,34 +19,36 @@ from skolem.sim.detector.likelihood import HEIGHT_SD_PER_M2, OUTLINE_SD_PER_M2
 from skolem.traces.messages import Detection, NoiseModel, ObjectType
 from skolem.traces.messages.likeliest import likeliest
 
-SCENES = 10  # of each condition
-NEAR_M = 0.03  # a detection farther from every thing is false
-NOISE = NoiseModel(  # that of the scenarios; misses, confusions and false alarms are the detector's own here
-    depth_sd_scale=1.0,
-    extrinsics_sd_m=0.003,
-    extrinsics_sd_rad=0.004,
-    found=0.9,
-    false_per_look=0.1,
-    type_right=0.95,
-    colour_gain=0.83,
-    colour_sd_rgb=0.03,
-    odometry_sd_m=0.0,
-    odometry_sd_per_m=0.0,
-    odometry_sd_rad=0.0,
-    odometry_sd_per_rad=0.0,
-    wrist_sd_newton=0.0,
-    wrist_drift_newton=0.0,
-    grasp_sd_m=0.0,
-    grasp_sd_rad=0.0,
-    place_sd_m=0.0,
-    place_sd_rad=0.0,
+SCENES = 10  # number for each condition
+NEAR_M = 0.03  # a detection farther from every object is false
+NOISE = (
+    NoiseModel(  # as in the scenarios, but without drawn misses, confusions and false alarms: the detector has its own
+        depth_sd_scale=1.0,
+        extrinsics_sd_m=0.003,
+        extrinsics_sd_rad=0.004,
+        found=0.9,
+        false_per_look=0.1,
+        type_right=0.95,
+        colour_gain=0.83,
+        colour_sd_rgb=0.03,
+        odometry_sd_m=0.0,
+        odometry_sd_per_m=0.0,
+        odometry_sd_rad=0.0,
+        odometry_sd_per_rad=0.0,
+        wrist_sd_newton=0.0,
+        wrist_drift_newton=0.0,
+        grasp_sd_m=0.0,
+        grasp_sd_rad=0.0,
+        place_sd_m=0.0,
+        place_sd_rad=0.0,
+    )
 )
 LIGHTS = {"front": (-1.0, 0.0, 0.5), "left": (0.0, 1.0, 0.5), "behind": (1.0, 0.0, 0.5)}
 TABLES_M = (0.45, 0.68, 0.90)
 HIDDEN = (0.3, 0.5, 0.7)
 ALIKE, CLUTTER, TOUCHING = "look-alikes", "3 cm apart", "touching"
 CAUTIOUS = 0.5  # mean NEES of headings below which their covariances are clearly too large
-BINS = (0.5, 0.7, 0.9, 0.99)  # lower edges, beside 0, of the reliability table
+BINS = (0.5, 0.7, 0.9, 0.99)  # lower edges of the reliability table; the first edge is 0
 
 
 def look_alikes() -> dict[str, ObjectType]:
@@ -61,19 +63,19 @@ def look_alikes() -> dict[str, ObjectType]:
 
 @dataclass(slots=True)
 class Tally:
-    """What came of the scenes of one condition.
+    """The results of the scenes of one condition.
 
     Attributes:
-        asked, found, false: Things asked about, those found, and detections of nothing.
-        right: Of those found, how many were of the type reported as likeliest.
-        errors_mm: Of the places of those found.
-        squares: Their squared normalised errors, position only: 2 if the covariance says what errors are like.
-        heights_mm: Errors of the height at which those found stand.
-        headings: Error of the heading in degrees and squared normalised error of each box found and taken for a box of
-            its type: of the headings at which it looks alike the nearest. No other's heading shows.
-        hue_errors: Of those found.
+        asked, found, false: Number of objects to find, of objects found, and of false detections.
+        right: Number of objects found whose likeliest reported type is the true one.
+        errors_mm: Position errors of the objects found.
+        squares: Their squared normalised position errors, with mean 2 if the covariances are right.
+        heights_mm: Errors of the height at which they stand.
+        headings: Heading error in degrees and squared normalised error of each box found with its true type, against
+            the nearest heading at which the box looks alike. Other objects show no heading.
+        hue_errors: Hue errors of the objects found.
         seconds: CPU time of each frame.
-        claims: Probability of each reported type and whether it was the true one.
+        claims: Probability of each reported type, and whether it was the true one.
     """
 
     asked: int = 0
@@ -90,7 +92,7 @@ class Tally:
 
 
 def scenes(types: dict[str, ObjectType], alike: dict[str, ObjectType]) -> Iterator[tuple[Scene, dict[str, ObjectType]]]:
-    """Return every scene, with the types that can stand in it."""
+    """Return every scene, with the types of its objects."""
     for number in range(SCENES):
         yield scattered("apart", number, types, 3, STOOD_APART_M), types
         yield scattered(CLUTTER, number, types, 6, CLUTTER_M), types
@@ -105,7 +107,7 @@ def scenes(types: dict[str, ObjectType], alike: dict[str, ObjectType]) -> Iterat
 
 
 def measured() -> dict[str, Tally]:
-    """Return what came of each condition, in order."""
+    """Return the results of each condition, in order."""
     types = load_rules().vocabulary.types
     graspable = {name: kind for name, kind in sorted(types.items()) if kind.graspable}
     tallies: dict[str, Tally] = {}
@@ -115,7 +117,7 @@ def measured() -> dict[str, Tally]:
 
 
 def judge(scene: Scene, types: dict[str, ObjectType], tally: Tally) -> None:
-    """Let the detector see a scene, and count what came of it."""
+    """Run the detector on a scene, and count the results."""
     seen = cloud(scene, types, NOISE)
     start = time.process_time()
     detections = detect(seen, types, NOISE).detections
@@ -130,7 +132,7 @@ def judge(scene: Scene, types: dict[str, ObjectType], tally: Tally) -> None:
 
 
 def matched(scene: Scene, detections: tuple[Detection, ...]) -> dict[int, int]:
-    """Return the detection of each thing that has one: nearest together, none farther than a detection may be."""
+    """Return the detection of each detected object: nearest pairs first, and none farther apart than `NEAR_M`."""
     if not detections:
         return {}
     apart = np.array([[math.dist(t.world_T_object[:2], d.base_T_object[:2]) for d in detections] for t in scene.things])
@@ -159,14 +161,14 @@ def _hue(rgb: tuple[float, float, float]) -> float:
 
 
 def claim(detection: Detection) -> tuple[str, float]:
-    """Return the likeliest type and its probability, all types being alike before."""
+    """Return the likeliest type and its probability under a uniform prior."""
     likelihood = detection.type_log_likelihood
     best = likeliest(likelihood)
     return best, 1.0 / sum(math.exp(value - likelihood[best]) for value in likelihood.values())
 
 
 def reliability(claims: list[tuple[float, bool]]) -> list[tuple[float, float, int]]:
-    """Return (mean probability claimed, share that was right, count) by how sure the detector claimed to be."""
+    """Return (mean claimed probability, share of right claims, count) for each bin of the claimed probability."""
     table = []
     for low, high in zip((0.0, *BINS), (*BINS, math.inf), strict=True):
         inside = [(p, right) for p, right in claims if low <= p < high]
@@ -176,7 +178,7 @@ def reliability(claims: list[tuple[float, bool]]) -> list[tuple[float, float, in
 
 
 def tables() -> Iterator[Table]:
-    """Measure everything and return one table after the other."""
+    """Measure everything and yield one table after another."""
     tallies = measured()
     yield _by_condition(tallies)
     yield _claims(tallies)
@@ -203,7 +205,7 @@ def _by_condition(tallies: dict[str, Tally]) -> Table:
 
 
 def _why_not_all(tallies: dict[str, Tally]) -> Iterator[str]:
-    """Yield why things are missed or taken for others, where they are."""
+    """Yield the causes of missed objects and wrong types, if there are any."""
     missed = {name for name, tally in tallies.items() if tally.found < tally.asked}
     mistaken = {name for name, tally in tallies.items() if tally.right < tally.found}
     if TOUCHING in missed | mistaken:
@@ -259,7 +261,7 @@ def _headings(found: list[tuple[float, float]]) -> list[str]:
 
 
 def _claims(tallies: dict[str, Tally]) -> Table:
-    """Return how often the reported type was right, by how likely the detector called it."""
+    """Return how often the reported type was right, by its claimed probability."""
     groups = {
         "types of the rules": [claim for name, tally in tallies.items() if name != ALIKE for claim in tally.claims],
         "look-alikes": tallies[ALIKE].claims,
@@ -294,12 +296,12 @@ def _claims(tallies: dict[str, Tally]) -> Table:
 
 
 def _margin(said: float, number: int) -> float:
-    """Return two standard errors of the share that is right if claims are true."""
+    """Return two standard errors of the share of right claims, if the claimed probabilities are true."""
     return 2.0 * math.sqrt(max(said * (1.0 - said), 1e-4) / number)
 
 
 def _why_unreliable(groups: dict[str, list[tuple[float, bool]]]) -> Iterator[str]:
-    """Yield which claims are clearly too high or too low, if any are."""
+    """Yield the claims that are clearly too high or too low, if there are any."""
     for name, claims in groups.items():
         for said, right, n in reliability(claims):
             if abs(right - said) > _margin(said, n):

@@ -1,4 +1,4 @@
-"""Tabletop scenes that are hard to see: crowded, touching, hidden, alike, lit from aside, high and low."""
+"""Tabletop scenes that are hard to see: crowded, touching, hidden, alike, lit from the side, high and low."""
 
 import colorsys
 import math
@@ -19,15 +19,15 @@ Vector3 = tuple[float, float, float]
 TABLE_X, TABLE_SIZE = 1.1, (0.7, 1.1)
 EYE: Vector3 = (0.0, 0.0, 1.45)
 HUES = (0.0, 0.12, 0.33, 0.5, 0.63, 0.85)
-AREA = ((0.88, -0.36), (1.32, 0.36))  # of the table on which things are put: wholly in the image
+AREA = ((0.88, -0.36), (1.32, 0.36))  # corners of the used part of the table, which is wholly in the image
 STOOD_APART_M, CLUTTER_M = 0.12, 0.03  # gaps between outlines
-LOW, HALVINGS = 0.6, 7  # of the tallest thing's height: what that can hide from a camera above; steps of the search
-TRIES = 4000  # of placing a thing at random
+LOW, HALVINGS = 0.6, 7  # share of the tallest object's height that it can hide from above; steps of the search
+TRIES = 4000  # most attempts to place an object at random
 
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """Something to be seen: type, place and paint."""
+    """An object of a scene: type, pose and colour."""
 
     type: str
     world_T_object: Pose4
@@ -36,13 +36,13 @@ class Thing:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What stands on a table, from where the light comes, and which things are asked about.
+    """The objects on a table, the light, and the objects to find.
 
     Attributes:
         condition: Name of the difficulty.
-        number: Of the scene; with the condition it fixes every draw.
-        things: Everything on the table.
-        asked: Indices of the things that count.
+        number: Number of the scene; with the condition it determines every draw.
+        things: All objects on the table.
+        asked: Indices of the objects to find.
         table_m: Height of the table's top.
         light: Direction towards the light; None: from above.
     """
@@ -64,7 +64,7 @@ def scattered(
     table_m: float = 0.68,
     light: Vector3 | None = None,
 ) -> Scene:
-    """Return things at random places, at least a gap apart; in clutter each has a neighbour at just that gap."""
+    """Return objects at random positions, at least a gap apart; in clutter each has a neighbour at exactly that gap."""
     draws = Generator(PCG64(SeedSequence([number, *condition.encode()])))
     things: list[Thing] = []
     for _ in range(TRIES):
@@ -96,7 +96,7 @@ def _is_free(x: float, y: float, kind: str, things: list[Thing], types: dict[str
 
 
 def touching(number: int, types: dict[str, ObjectType]) -> Scene:
-    """Return two things side by side without a gap; a box touches with the middle of a long face."""
+    """Return two objects side by side without a gap; a box touches with the middle of a long face."""
     draws = Generator(PCG64(SeedSequence([number, 1])))
     kinds = [sorted(types)[int(draws.integers(len(types)))] for _ in range(2)]
     bearing, x, y = (float(v) for v in draws.uniform((0.0, 1.0, -0.2), (math.pi, 1.2, 0.2)))
@@ -108,9 +108,9 @@ def touching(number: int, types: dict[str, ObjectType]) -> Scene:
 
 
 def hidden(number: int, share: float, types: dict[str, ObjectType]) -> Scene:
-    """Return a low thing of which so much is hidden by the tallest one before it, found by shifting that aside.
+    """Return a low object and a tall one that hides the given share of it, found by shifting the tall one aside.
 
-    The share is that of the pixels that the thing has alone. Only the hidden thing is asked about.
+    The share is one of the pixels that the object has when it stands alone. Only the hidden object is to be found.
     """
     draws = Generator(PCG64(SeedSequence([number, round(100 * share)])))
     tallest = max(sorted(types), key=lambda name: types[name].size_m[2])
@@ -126,7 +126,7 @@ def hidden(number: int, share: float, types: dict[str, ObjectType]) -> Scene:
         py = y - before * math.sin(bearing) + side * aside * math.cos(bearing)
         return target, Thing(tallest, (px, py, 0.68, 0.0), (0.0, 0.9, 0.8))
 
-    near, far = 0.0, 0.2  # metres aside: hidden most, hidden not at all
+    near, far = 0.0, 0.2  # metres aside: most hidden, not hidden
     for _ in range(HALVINGS):
         middle = (near + far) / 2.0
         covered = 1.0 - _pixels(scene(middle), types) / alone
@@ -135,7 +135,7 @@ def hidden(number: int, share: float, types: dict[str, ObjectType]) -> Scene:
 
 
 def _pixels(things: tuple[Thing, ...], types: dict[str, ObjectType]) -> int:
-    """Return how many pixels the first thing has."""
+    """Return the number of pixels of the first object."""
     return int((picture(things, types, 0.68).body == 2).sum())
 
 
@@ -150,7 +150,7 @@ def head(table_m: float) -> Frame:
 def picture(
     things: tuple[Thing, ...], types: dict[str, ObjectType], table_m: float, light: Vector3 | None = None
 ) -> camera.Image:
-    """Return a rendering; body 0 is the floor, 1 the table, then the things."""
+    """Return a rendering; body 0 is the floor, 1 the table, then the objects."""
     client = bodies.connect(gravity=False)
     bodies.floor(client)
     table = ObjectType(shape="table", size_m=(*TABLE_SIZE, table_m), graspable=False)
@@ -163,7 +163,7 @@ def picture(
 
 
 def cloud(scene: Scene, types: dict[str, ObjectType], noise: NoiseModel) -> Cloud:
-    """Return the noisy cloud of a scene; base and world are one frame."""
+    """Return the noisy cloud of a scene; base and world frame are the same."""
     image = picture(scene.things, types, scene.table_m, scene.light)
     key = scene.number + 1000 * sum(scene.condition.encode())
     depth = noisy_depth(image.depth, noise.depth_sd_scale, stream(0, key, Purpose.DEPTH))

@@ -1,6 +1,6 @@
-"""The belief measured: accuracy and consistency beside a plain EKF and filterpy's UKF, growth, association, robustness.
+"""Measurements of the belief: accuracy and consistency beside EKF and filterpy's UKF, growth, association, robustness.
 
-Times are CPU time of this process, so that what else the machine does matters little; compare ratios.
+Times are CPU time of this process, so that other work of the machine matters little; compare ratios.
 """
 
 import time
@@ -35,11 +35,11 @@ from skolem.estimation.events import Began
 from skolem.estimation.se2 import between
 
 Array = NDArray[np.float64]
-SEEDS, STEPS = 50, 60  # of the simulated logs
-UKF_SEEDS, UKF_STEPS = 6, 24  # of filterpy's filter at 50 objects, which takes its time
-BAD_HEADING_SD = 0.3  # rad, of the base at first
+SEEDS, STEPS = 50, 60  # size of the simulated logs
+UKF_SEEDS, UKF_STEPS = 6, 24  # for filterpy's filter at 50 objects, which is slow
+BAD_HEADING_SD = 0.3  # rad, heading of the base at the start
 IDEAL = 3.0  # NEES of a planar pose
-FASTER = 10.0  # times, than filterpy's filter
+FASTER = 10.0  # times as fast as filterpy's filter
 OURS, EKF, UKF = "factor graph", "EKF", "UKF (filterpy)"
 MAKERS: dict[str, Callable[[Began], Estimator]] = {OURS: Smoother, EKF: Ekf, UKF: Ukf}
 FEW, VAGUE, MANY, SHORT = "5", "5, heading vague", "50", f"50, {UKF_STEPS} steps"
@@ -48,12 +48,12 @@ BOTH = ("base", "relative")
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """How one estimator did on one log.
+    """The result of one estimator on one log.
 
     Attributes:
         update_ms: Median CPU time of a drive and a look.
-        query_ms: Median CPU time of asking for mean and covariance of the base, and of one thing as seen from it.
-        base, relative: What `errors` returns, of each step with a sighting, shape (n, 5).
+        query_ms: Median CPU time of a query for mean and covariance of the base, and of one object relative to it.
+        base, relative: The rows of `errors` for each step with a sighting, shape (n, 5).
     """
 
     update_ms: float
@@ -66,7 +66,7 @@ Results = dict[tuple[str, str], list[Score]]  # by case and estimator
 
 
 def scored(make: Callable[[Began], Estimator], log: Log, steps: int | None = None) -> Score:
-    """Return how an estimator does on the first steps of a log."""
+    """Return the result of an estimator on the first steps of a log."""
     estimator, update_s, query_s, base, relative = make(log.began), [], [], [], []
     for step in log.steps[:steps]:
         start = time.process_time()
@@ -84,7 +84,7 @@ def scored(make: Callable[[Began], Estimator], log: Log, steps: int | None = Non
 
 
 def tables() -> Iterator[Table]:
-    """Measure everything and return one table after the other."""
+    """Measure everything and yield one table after another."""
     yield accuracy()
     yield growth()
     yield association()
@@ -93,7 +93,7 @@ def tables() -> Iterator[Table]:
 
 
 def accuracy() -> Table:
-    """Compare accuracy, consistency and time with the peers' on the same simulated logs."""
+    """Compare accuracy, consistency and time with those of the peers on the same simulated logs."""
     results = _results()
     low, high = band(SEEDS)
     return Table(
@@ -130,7 +130,7 @@ def _results() -> Results:
 
 
 def _outside(results: Results) -> list[tuple[str, str]]:
-    """Return of which case our mean NEES is outside the band, and whether it is that of the base or the relative."""
+    """Return the cases in which our mean NEES, of the base or the relative poses, is outside the band."""
     low, high = band(SEEDS)
     cases = [(case, which) for case in (FEW, VAGUE, MANY) for which in BOTH]
     return [(case, which) for case, which in cases if not low <= _nees(results[case, OURS], which).mean() <= high]
@@ -163,7 +163,7 @@ def _faster(results: Results) -> Target:
 
 
 def _why(results: Results) -> Iterator[str]:
-    """Yield what is known of each target that was missed."""
+    """Yield the known causes of each missed target."""
     for case, which in _outside(results):
         peers = {name: float(_nees(scores, which).mean()) for (c, name), scores in results.items() if c == case}
         found, axes = peers.pop(OURS), np.vstack([getattr(score, which)[:, AXES] for score in results[case, OURS]])

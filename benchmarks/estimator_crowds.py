@@ -1,4 +1,4 @@
-"""Tables of looks at a crowded table: who is taken for whom, and what outliers and false detections do."""
+"""Measurements of looks at a crowded table: association, and the effect of outliers and false detections."""
 
 import math
 import time
@@ -14,7 +14,7 @@ from skolem.estimation.config import EstimatorConfig
 Array = NDArray[np.float64]
 LOOK_SEEDS, RUN_SEEDS = 30, 30
 CANS, LOOKS, CALM = 8, 24, 3
-EARLY, MOST_TIMES = 3, 1.2  # looks that are the first ones; how much larger errors may be
+EARLY, MOST_TIMES = 3, 1.2  # number of early looks; factor by which errors may be larger
 CROWDS = (
     Crowd("sparse, base known", 6, 0.20, (0.01, 0.01, 0.01), 0.02, 0.9),
     Crowd("9 cm apart, base known", 9, 0.09, (0.01, 0.01, 0.01), 0.015, 0.9),
@@ -34,7 +34,7 @@ ERRORS = {
 
 
 def association() -> Table:
-    """Compare pair by pair assignment with joint hypotheses."""
+    """Compare assignment pair by pair with joint hypotheses."""
     rows, behind = [], []
     for crowd in CROWDS:
         figures = []
@@ -57,7 +57,7 @@ def association() -> Table:
 
 
 def _why_not_all(rows: Sequence[tuple[object, ...]]) -> Iterator[str]:
-    """Yield why some looks are read wrongly, if any are."""
+    """Yield the causes of wrong associations, if there are any."""
     some = [str(row[0]) for row in rows if float(str(row[4])) < 1.0]
     if some:
         yield (
@@ -68,7 +68,7 @@ def _why_not_all(rows: Sequence[tuple[object, ...]]) -> Iterator[str]:
 
 
 def robustness() -> Table:
-    """Measure what outliers and false detections do."""
+    """Measure the effect of outliers and false detections."""
     runs = {
         name: [endured(seed, CANS, LOOKS, CALM, gross) for seed in range(RUN_SEEDS)] for name, gross in ERRORS.items()
     }
@@ -131,7 +131,7 @@ def robustness() -> Table:
 
 
 def _why(runs: dict[str, list[Endured]]) -> Iterator[str]:
-    """Yield where the errors of the runs stem from, of each target that was missed."""
+    """Yield the causes of the errors behind each missed target."""
     yield from _why_off(runs)
     ghosts, untested, lost = _left(runs[BOTH])
     if ghosts:
@@ -145,7 +145,7 @@ def _why(runs: dict[str, list[Endured]]) -> Iterator[str]:
 
 
 def _why_off(runs: dict[str, list[Endured]]) -> Iterator[str]:
-    """Yield how much of the error nobody could do without, and in which looks the rest is."""
+    """Yield the unavoidable part of the error, and the looks with the rest."""
     for first, when in ((-1, "At the end"), (0, "On the way")):
         clean, both, known = (_off(runs[name], first) for name in (CLEAN, BOTH, LEFT_OUT))
         if both > MOST_TIMES * min(clean, known):
@@ -164,7 +164,7 @@ def _why_off(runs: dict[str, list[Endured]]) -> Iterator[str]:
 
 
 def _left(runs: Sequence[Endured]) -> tuple[int, int, int]:
-    """Return how many ghosts are left, how many of these no calm look could show, and how many cans are lost."""
+    """Return the number of ghosts left, of ghosts that no calm look could test, and of lost cans."""
     ghosts = sum(int(run.strays[-1]) for run in runs)
     return ghosts, sum(run.untested for run in runs), sum(run.lost for run in runs)
 
@@ -179,5 +179,5 @@ def _at_most(text: str, found: float) -> Target:
 
 
 def _off(runs: Sequence[Endured], first: int) -> float:
-    """Return the root mean square of how far off listed cans are, over the looks from `first` on, metres."""
+    """Return the root mean square error of listed cans over the looks from `first` on, metres."""
     return math.sqrt(float(np.nanmean([np.square(run.off_m[first:]) for run in runs])))

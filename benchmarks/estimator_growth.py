@@ -1,4 +1,4 @@
-"""One run that grows, in a process of its own, so that the memory measured is that of the run alone."""
+"""Measurement of one growing run in a separate process, so that the memory is that of the run alone."""
 
 import multiprocessing
 import os
@@ -17,25 +17,25 @@ from benchmarks.tables import Table, Target
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Consolidated
 
-OBJECTS, STEPS, BLOCK = 1000, 10_000, 50  # the run, and drives between consolidations
-PARTS = 10  # rows of the table
+OBJECTS, STEPS, BLOCK = 1000, 10_000, 50  # size of the run; drives between consolidations
+PARTS = 10  # rows of the result
 JUDGED_EVERY = 20  # steps
-KEPT = 500  # steps kept in memory, to see how much a log takes
-MOST_FACTORS, MOST_GROWTH = 2.0, 1.25  # a thing; of memory after the first round, when everything was seen
+KEPT = 500  # steps kept in memory, to measure the size of a log
+MOST_FACTORS, MOST_GROWTH = 2.0, 1.25  # per object; factor of memory after the first round, when everything was seen
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """What was measured over one part of the run.
+    """The measurements over one part of the run.
 
     Attributes:
-        steps: Made so far.
+        steps: Number of steps so far.
         median_ms, mean_ms: CPU time of a step.
-        factors: In the graph at its end.
-        largest: Variables of the factor that has most.
-        most_seen: Things between two summaries.
+        factors: Number of factors in the graph at its end.
+        largest: Number of variables of the largest factor.
+        most_seen: Most objects seen between two consolidations.
         resident_mb: Memory of the process at its end.
-        base_nees: Mean.
+        base_nees: Mean NEES of the base.
     """
 
     steps: int
@@ -49,7 +49,7 @@ class Part:
 
 
 def growth() -> Table:
-    """Let one run grow, its past being summed up now and then."""
+    """Measure one growing run whose past is consolidated from time to time."""
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as alone:
         parts, step_kb = alone.submit(grown, OBJECTS, STEPS).result()
     rounds = STEPS / steps_a_round(OBJECTS)
@@ -106,7 +106,7 @@ def _after_a_round(parts: list[Part]) -> Part:
 
 
 def _why(parts: list[Part]) -> Iterator[str]:
-    """Yield what makes the run slower, and larger than it should be, if it is."""
+    """Yield the causes if the run becomes slower or larger than it should."""
     first, last = parts[0], parts[-1]
     if last.mean_ms > MOST_FACTORS * first.mean_ms:
         yield (
@@ -123,7 +123,7 @@ def _why(parts: list[Part]) -> Iterator[str]:
 
 
 def grown(objects: int, steps: int) -> tuple[list[Part], float]:
-    """Return what each part of a run took, and how many kB of memory a step takes in a log."""
+    """Return the measurements of each part of a run, and the memory of a step in a log, kB."""
     run, part = course(objects, 0), steps // PARTS
     smoother = Smoother(run.began)
     parts = [_gone_on(smoother, islice(run.steps, part), part * i) for i in range(PARTS)]
@@ -132,7 +132,7 @@ def grown(objects: int, steps: int) -> tuple[list[Part], float]:
 
 
 def _gone_on(smoother: Smoother, steps: Iterator[Step], before: int) -> Part:
-    """Return what came of some more steps; so many were made before, a whole number of blocks."""
+    """Return the measurements of further steps; `before` is the number of earlier steps, a multiple of `BLOCK`."""
     spent, nees, seen = [], [], [set[str]()]
     for i, step in enumerate(steps, start=1):
         start = time.process_time()
@@ -158,13 +158,13 @@ def _gone_on(smoother: Smoother, steps: Iterator[Step], before: int) -> Part:
 
 
 def _factors(smoother: Smoother) -> tuple[int, int]:
-    """Return how many factors there are, and how many variables the largest has."""
+    """Return the number of factors, and the number of variables of the largest."""
     graph = smoother.graph.smoother.getFactorsUnsafe()
     sizes = [len(graph.at(i).keys()) for i in range(graph.size()) if graph.exists(i)]
     return len(sizes), max(sizes)
 
 
 def resident_mb() -> float:
-    """Return how much memory this process has now, pages that are in use."""
+    """Return the resident memory of this process, MB."""
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6

@@ -1,4 +1,4 @@
-"""Logs of a robot that drives round a ring of objects, with the truth; errors are drawn from the estimator's models."""
+"""Logs, with the truth, of a robot that drives round a ring of objects; the estimator's models give the errors."""
 
 import itertools
 import math
@@ -23,12 +23,12 @@ from skolem.traces.messages import (
 )
 
 Array = NDArray[np.float64]
-STEP_M = 0.3  # of a drive
+STEP_M = 0.3  # length of a drive
 SIGHT_M, SIGHT_RAD, MOST_SEEN = 2.5, math.pi / 4.0, 6
 MOVED_SDS = np.array([0.01, 0.01, 0.015])  # x, y, theta
-CAMERA_SDS = np.array([0.01, 0.01, 0.01])  # common to what one look shows
+CAMERA_SDS = np.array([0.01, 0.01, 0.01])  # common to all sightings of one look
 SIGHTED_SDS = np.array([0.005, 0.005, 0.03])
-TOLD_SDS = np.array([0.1, 0.1, 0.2])  # of each object before the first look
+TOLD_SDS = np.array([0.1, 0.1, 0.2])  # prior of each object before the first look
 BASE_SDS = np.array([0.01, 0.01, 0.01])
 NOWHERE = Detection(
     base_T_object=(0.0, 0.0, 0.0, 0.0),
@@ -41,7 +41,7 @@ NOWHERE = Detection(
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One drive and the look after it: what was told to the estimator, and the truth."""
+    """One drive and the look after it: the estimator's inputs, and the truth."""
 
     moved: Moved
     looked: Looked
@@ -50,7 +50,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Log:
-    """A run: what is told, the true places of the objects, and the steps."""
+    """A run: the prior, the true poses of the objects, and the steps."""
 
     began: Began
     world_T_object: dict[str, Pose2]
@@ -59,7 +59,7 @@ class Log:
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A run without an end: what is told, the true places of the objects, and the steps, each made when asked for."""
+    """An endless run: the prior, the true poses of the objects, and the steps, which are made on demand."""
 
     began: Began
     world_T_object: dict[str, Pose2]
@@ -73,17 +73,17 @@ def simulated(objects: int, steps: int, seed: int, base_heading_sd: float = floa
 
 
 def steps_a_round(objects: int) -> int:
-    """Return how many drives it takes to come round the ring of so many objects."""
+    """Return the number of drives once round the ring of so many objects."""
     return math.ceil(math.tau * _radius(objects) / STEP_M)
 
 
 def course(objects: int, seed: int, base_heading_sd: float = float(BASE_SDS[2])) -> Course:
-    """Return a run round a ring whose length grows with the number of objects, round after round.
+    """Return an endless run round a ring whose length grows with the number of objects.
 
     Args:
-        objects: How many.
-        seed: Of every draw.
-        base_heading_sd: How well the heading of the base is known at first, rad.
+        objects: Number of objects.
+        seed: Seed of every random draw.
+        base_heading_sd: Standard deviation of the heading of the base at the start, rad.
     """
     draws = Generator(PCG64(SeedSequence([seed, objects])))
     radius = _radius(objects)
@@ -101,7 +101,7 @@ def course(objects: int, seed: int, base_heading_sd: float = float(BASE_SDS[2]))
 
 
 def _driven(base: Pose2, radius: float, truth: Array, names: tuple[str, ...], draws: Generator) -> Iterator[Step]:
-    """Yield drives along the ring, each with a look, from where the base is."""
+    """Yield drives along the ring from the pose `base`, each with a look."""
     for step in itertools.count(1):
         wanted = _on_ring(radius, step)
         by_wheels = between(base, wanted)
@@ -115,7 +115,7 @@ def _radius(objects: int) -> float:
 
 
 def erring(pose: Pose2, sds: Array, draws: Generator) -> Pose2:
-    """Return a pose off by an error in its own frame."""
+    """Return a pose with a drawn error in its own frame."""
     return compose(pose, exp(draws.normal(size=3) * sds))
 
 
@@ -125,7 +125,7 @@ def _on_ring(radius: float, step: int) -> Pose2:
 
 
 def _look(base: Pose2, truth: Array, names: tuple[str, ...], draws: Generator) -> Looked:
-    """Return a look at the nearest things in view; cameras err once per look, sightings each."""
+    """Return a look at the nearest objects in view, with one error of the camera and one of each sighting."""
     camera = erring(base, CAMERA_SDS, draws)
     apart = truth[:, :2] - camera[:2]
     distance = np.hypot(apart[:, 0], apart[:, 1])
@@ -140,7 +140,7 @@ def _look(base: Pose2, truth: Array, names: tuple[str, ...], draws: Generator) -
 
 
 def sighting(name: str, camera_T_object: Pose2, sds: Array) -> Sighting:
-    """Return a sighting as the estimator logs it."""
+    """Return a sighting in the form of the estimator's log."""
     return Sighting(
         anchor=name,
         new=False,
@@ -154,7 +154,7 @@ def sighting(name: str, camera_T_object: Pose2, sds: Array) -> Sighting:
 
 
 def _began(base: Pose2, objects: dict[str, Pose2], base_sds: Array) -> Began:
-    """Return what is told: types, colours and weights play no part here."""
+    """Return the prior, in which types, colours and weights do not matter."""
     told = tuple(
         PriorObject(
             anchor=name,

@@ -1,4 +1,4 @@
-"""Looks at a crowded table, detection by detection: who is taken for whom, and what gross errors do."""
+"""Looks at a crowded table, detection by detection: association, and the effect of gross errors."""
 
 import math
 from collections.abc import Iterable
@@ -36,28 +36,28 @@ CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.115), graspable=True)
 TABLE = ObjectType(shape="table", size_m=(0.8, 1.2, 0.7), graspable=False)
 ROBOT = RobotState(torso=0.2, head=(0.0, 0.6), right_arm=CARRY["right"], left_arm=CARRY["left"])  # out of the view
 NOISE = NoiseModel()
-FIT_SD, ROUND_SD = 0.002, 1.8  # of the place and of the heading of a can
+FIT_SD, ROUND_SD = 0.002, 1.8  # position, m, and heading, rad, of a detected can
 CAMERA = camera(ROBOT.torso, *ROBOT.head)
-GROSS_M = (0.15, 0.50)  # how far off an outlier is, each axis: well beyond what was told of a can
-MODERATE_M = (0.08, 0.40)  # and if it may be within that: two to four sds
+GROSS_M = (0.15, 0.50)  # error of an outlier on each axis: well beyond the prior of a can
+MODERATE_M = (0.08, 0.40)  # error of a moderate outlier, from two to four sds of the prior on
 LEAST, MOST = (0.65, -0.60), (1.30, 0.60)  # x and y of the part of the table that the camera sees
-SAME_M = 0.15  # an anchor farther than this from a can is not taken for one of it
+SAME_M = 0.15  # an anchor farther than this from a can does not stand for it
 GIVEN_UP = EstimatorConfig().retired
-TESTED = 0.5  # expected reports below which looks say little about an anchor
-GHOST_M = 0.05  # an anchor farther than this from every can is of nothing
+TESTED = 0.5  # below so many expected detections, looks do not test an anchor
+GHOST_M = 0.05  # an anchor farther than this from every can stands for nothing
 
 
 @dataclass(frozen=True, slots=True)
 class Crowd:
-    """How hard a look is to read.
+    """The difficulty of a look.
 
     Attributes:
-        name: For people.
-        cans: How many, on a square grid.
-        spacing_m: Of the grid.
-        base_sds: How badly the base is known, x, y, theta.
-        told_sd_m: How badly each can is.
-        found: Share of the cans that is reported.
+        name: Name for people.
+        cans: Number of cans, on a square grid.
+        spacing_m: Spacing of the grid.
+        base_sds: Standard deviations of the base, x, y, theta.
+        told_sd_m: Standard deviation of each can in the prior.
+        found: Share of the cans that is detected.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Crowd:
 
 
 def whole_look_is_right(crowd: Crowd, seed: int, hypotheses: int) -> bool:
-    """Return whether every reported can of a first look is taken for itself."""
+    """Return whether every detected can of a first look is associated with its own anchor."""
     draws = Generator(PCG64(SeedSequence([seed])))
     side = math.ceil(math.sqrt(crowd.cans))
     grid = [divmod(i, side) for i in range(crowd.cans)]
@@ -94,13 +94,13 @@ class Gross:
     """The gross errors of a run.
 
     Attributes:
-        outliers: Share of the detections that are far off.
-        false: Detections of nothing, as a share of the cans.
-        off_m: How far off outliers are, each axis, least and most.
-        counted: Whether the robot's noise model counts outliers, as a calibration would: each is a can that was not
-            found, and a detection of nothing. False detections it always knows of.
-        looked_through: Whether the robot minds that its picture shows what is behind a detection.
-        left_out: Whether somebody takes the gross errors out: then it shows what could be known at all.
+        outliers: Share of outliers among the detections.
+        false: False detections, as a share of the cans.
+        off_m: Least and largest error of outliers on each axis.
+        counted: Whether the robot's noise model counts outliers, as a calibration would: each as a missed detection and
+            a false one. It always counts false detections.
+        looked_through: Whether the robot uses that its picture shows the space behind a detection.
+        left_out: Whether the gross errors are removed, which shows the best possible result.
     """
 
     outliers: float
@@ -111,7 +111,7 @@ class Gross:
     left_out: bool = False
 
     def noise(self, cans: int) -> NoiseModel:
-        """Return what the robot is told of its detector."""
+        """Return the robot's noise model of its detector."""
         outliers = self.outliers if self.counted else 0.0
         false = 0.0 if self.left_out else self.false + outliers * NOISE.found
         return NOISE.model_copy(
@@ -124,16 +124,16 @@ class Gross:
 
 @dataclass(frozen=True, slots=True)
 class Endured:
-    """What gross errors did to a run.
+    """The effect of gross errors on a run.
 
     Attributes:
-        off_m: How far from each can, relative to the base, the listed anchor is that is of it, after each look, shape
-            (looks, cans), metres; NaN where none is.
-        strays: Listed anchors of nothing, after each look, shape (looks,).
-        untested: Of those at the end, how many the calm looks could hardly have shown, were they real.
-        lost: Cans of which no anchor is left at the end, listed or doubted.
-        duplicates: Listed anchors beyond one a can, at the end.
-        renamed: Cans that are listed under another name than they were told by.
+        off_m: Distance of each can from its listed anchor, relative to the base, after each look, shape (looks, cans),
+            metres; NaN for a can without listed anchor.
+        strays: Number of listed anchors that stand for nothing, after each look, shape (looks,).
+        untested: Number of those at the end that the calm looks would hardly have detected if they were real.
+        lost: Number of cans without any anchor at the end, listed or doubted.
+        duplicates: Number of listed anchors beyond one for each can, at the end.
+        renamed: Number of cans that are listed under another name than in the prior.
     """
 
     off_m: Array
@@ -145,13 +145,13 @@ class Endured:
 
 
 def endured(seed: int, cans: int, looks: int, calm: int, gross: Gross) -> Endured:
-    """Return how a belief gets through looks with gross errors, and a few calm ones at the end.
+    """Return the effect of looks with gross errors, followed by a few calm ones, on a belief.
 
     Args:
-        seed: Of every draw; what is drawn beside the gross errors does not depend on them.
-        cans: How many stand on the table.
-        looks: How many with gross errors.
-        calm: How many without.
+        seed: Seed of every random draw; the other draws do not depend on the gross errors.
+        cans: Number of cans on the table.
+        looks: Number of looks with gross errors.
+        calm: Number of looks without them.
         gross: The errors.
     """
     draws, errors = Generator(PCG64(SeedSequence([seed]))), Generator(PCG64(SeedSequence([seed, 1])))
@@ -192,20 +192,20 @@ def endured(seed: int, cans: int, looks: int, calm: int, gross: Gross) -> Endure
 
 
 def _reports(belief: Belief, anchor: str, after: int) -> float:
-    """Return how many of the looks but the first few should have reported an anchor that they did not report."""
+    """Return the expected number of detections of an anchor by the looks from `after` on that missed it."""
     looks = [event for event in belief.events if isinstance(event, Looked)][after:]
     return sum(missed.p_reported for event in looks for missed in event.missed if missed.anchor == anchor)
 
 
 def _reported(here: list[Pose2], draws: Generator) -> list[Pose2 | None]:
-    """Return where each can is seen, None for those that are not."""
+    """Return the detected pose of each can; None for a can that is not detected."""
     calibration = exp(draws.normal(size=3) * (0.004, 0.004, 0.004))
     seen = [moved(compose(calibration, pose), draws, FIT_SD) for pose in here]
     return [pose if luck < NOISE.found else None for pose, luck in zip(seen, draws.random(len(here)), strict=True)]
 
 
 def _with_errors(seen: list[Pose2 | None], gross: Gross, draws: Generator) -> list[Pose2 | None]:
-    """Return the same with some far off, and some of nothing; without either if they are left out."""
+    """Return the poses with outliers and false detections added, unless these are left out."""
     far = [draws.random() < gross.outliers for _ in seen]
     wrong = [
         shifted(pose, gross.off_m, draws) if pose and is_far else None for pose, is_far in zip(seen, far, strict=True)
@@ -220,15 +220,15 @@ def _loose(belief: Belief, anchors: Iterable[str]) -> list[str]:
 
 
 def _distances(belief: Belief, anchors: Iterable[str], here: dict[str, Pose2]) -> Array:
-    """Return how far each of some anchors is from each can, shape (anchors, cans), metres."""
+    """Return the distance of each anchor from each can, shape (anchors, cans), metres."""
     rows = [[_off_m(belief, name, pose) for pose in here.values()] for name in _loose(belief, anchors)]
     return np.array(rows).reshape(-1, len(here))
 
 
 def _nearest(distances: Array) -> Array:
-    """Return how far from each can the anchor of it is, shape (cans,), metres: NaN if none is near.
+    """Return the distance of each can from its anchor, shape (cans,), metres; NaN if none is near.
 
-    An anchor is of the can that is nearest to it, so that a neighbour's is not taken for one of a can that has none.
+    An anchor belongs to the can that is nearest to it, so that a can without anchor does not get a neighbour's.
     """
     own = np.where(distances <= distances.min(axis=1, keepdims=True), distances, math.inf)
     nearest = own.min(axis=0, initial=math.inf)
@@ -236,12 +236,12 @@ def _nearest(distances: Array) -> Array:
 
 
 def moved(pose: Pose2, draws: Generator, sd_m: float) -> Pose2:
-    """Return a pose a little elsewhere."""
+    """Return a pose with a small drawn error."""
     return compose(pose, exp(draws.normal(size=3) * (sd_m, sd_m, 0.0)))
 
 
 def shifted(pose: Pose2, off_m: tuple[float, float], draws: Generator) -> Pose2:
-    """Return a pose grossly elsewhere, on the table and in view: a camera reports nothing that it does not see."""
+    """Return a pose with a gross drawn error, on the table and in view: a camera detects nothing out of view."""
     while True:
         far, sign = draws.uniform(*off_m, 2), np.sign(draws.uniform(-1.0, 1.0, 2))
         x, y = pose[0] + float(far[0] * sign[0]), pose[1] + float(far[1] * sign[1])
@@ -253,11 +253,11 @@ def _off_m(belief: Belief, name: str, base_T_can: Pose2) -> float:
     return math.dist(belief.gaussian("pose", name).mean[:2], base_T_can[:2])
 
 
-# ---------------------------------------------------------------- what the robot is told, does and sees
+# ---------------------------------------------------------------- the robot's prior, drives and looks
 
 
 def prior(cans: dict[str, Pose2], sd_m: float, base_sds: tuple[float, float, float], noise: NoiseModel) -> Prior:
-    """Return the belief on a table of cans before the first look."""
+    """Return the prior of a table of cans."""
     table = PriorObject(
         anchor="table1", type={"table": 1.0}, world_T_object=(1.0, 0.0, 0.0, 0.0), sd_xy_m=0.01, sd_theta_rad=0.005
     )
@@ -286,7 +286,7 @@ def prior(cans: dict[str, Pose2], sd_m: float, base_sds: tuple[float, float, flo
 
 
 def detection(base_T_can: Pose2) -> Detection:
-    """Return a detection of a can there."""
+    """Return a detection of a can at a pose."""
     x, y, _ = base_T_can
     place = (x, y, TABLE.size_m[2], 0.0)
     fit = np.diag([FIT_SD**2, FIT_SD**2, ROUND_SD**2])
@@ -300,7 +300,7 @@ def detection(base_T_can: Pose2) -> Detection:
 
 
 def look(belief: Belief, step: int, seen: list[Detection], standing: list[Pose2]) -> None:
-    """Let the robot look: what it reports, and a depth image of the cans that stand there, if any."""
+    """Let the robot look: detections, and a depth image of the cans in `standing`, if any."""
     solids = [Solid("table1", TABLE, (1.0, 0.0, 0.0, 0.0))]
     solids += [Solid(f"can{i}", CAN, (x, y, TABLE.size_m[2], 0.0)) for i, (x, y, _) in enumerate(standing)]
     view = depth_view(CAMERA, solids, CAMERA) if standing else None

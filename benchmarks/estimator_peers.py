@@ -1,7 +1,7 @@
-"""Two filters to measure the smoother against, on the same logs: a plain EKF, and the UKF of filterpy.
+"""Two peers of the smoother on the same logs: a plain EKF, and the UKF of filterpy.
 
-Both keep one vector (x, y, theta) of the base and of every object that was told of, world frame, and one dense
-covariance. Of a log they take drives, and of looks what was seen of those objects.
+Both keep one vector (x, y, theta) of the base and of every object in the prior, world frame, and one dense covariance.
+From a log they take the drives, and from each look the sightings of those objects.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 class Estimator(Protocol):
-    """What the benchmark asks of every estimator."""
+    """The interface of every estimator in the benchmark."""
 
     def take(self, event: Event) -> None:
         """Take in one event after the first, which is `Began`."""
@@ -34,7 +34,7 @@ class Estimator(Protocol):
 
 
 class _Filter:
-    """What both filters share: one vector, one covariance."""
+    """The common part of both filters: one vector, one covariance."""
 
     def __init__(self, began: Began) -> None:
         prior = began.prior
@@ -59,11 +59,11 @@ class _Filter:
         return (x, y, theta), into @ self.covariance[np.ix_(rows, rows)] @ into.T
 
     def _told(self, look: Looked) -> list[Sighting]:
-        """Return what a look shows of the objects that were told of."""
+        """Return the sightings of objects in the prior."""
         return [s for s in look.sightings if s.anchor in self.index]
 
     def _measured(self, sightings: list[Sighting], camera: Matrix) -> tuple[Array, Array]:
-        """Return what was seen, shape (3k,), and its covariance: each one's own, and the camera's common to all."""
+        """Return the sightings, shape (3k,), and their covariance: each one's own, and the camera's, common to all."""
         seen = [np.array(s.camera_T_object) for s in sightings]
         own = np.zeros((3 * len(seen), 3 * len(seen)))
         common = np.zeros((3 * len(seen), 3))
@@ -75,7 +75,7 @@ class _Filter:
 
 
 class Ekf(_Filter):
-    """The textbook's extended Kalman filter, NumPy alone."""
+    """The textbook's extended Kalman filter in NumPy."""
 
     def take(self, event: Event) -> None:
         """Take in one event."""
@@ -146,7 +146,7 @@ class Ukf(_Filter):
 
 
 def moved(base: Array, start_T_end: Pose2) -> Array:
-    """Return where a base is after a drive."""
+    """Return the pose of a base after a drive."""
     x, y, turn = start_T_end
     c, s = np.cos(base[2]), np.sin(base[2])
     return np.array([base[0] + c * x - s * y, base[1] + s * x + c * y, base[2] + turn])
@@ -160,7 +160,7 @@ def wrapped(poses: Array) -> Array:
 
 
 def _seen(base: Array, item: Array) -> tuple[Array, Array]:
-    """Return base_T_object and its slope by base and object, shape (3, 6)."""
+    """Return base_T_object and its Jacobian by base and object, shape (3, 6)."""
     c, s = np.cos(base[2]), np.sin(base[2])
     dx, dy = item[0] - base[0], item[1] - base[1]
     seen = np.array([c * dx + s * dy, c * dy - s * dx, item[2] - base[2]])
@@ -177,6 +177,6 @@ def _difference(a: Array, b: Array) -> Array:
 
 
 def _mean(sigmas: Array, weights: Array) -> Array:
-    """Return the weighted mean of sigma points; headings around that of the first."""
+    """Return the weighted mean of sigma points; headings are averaged around the first one."""
     first = sigmas[0]
     return np.asarray(first + weights @ np.array([wrapped(row) for row in sigmas - first]))

@@ -1,4 +1,4 @@
-"""Logs from runs in the simulators, each with the truth after its looks: tours of looks, and whole runs from traces."""
+"""Logs of runs in the simulators with the truth after each look: tours of looks, and whole runs from traces."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -39,9 +39,9 @@ from skolem.traces.messages.likeliest import likeliest
 from skolem.traces.messages.poses import flat
 
 Array = NDArray[np.float64]
-TOUR_LOOKS, TOP_M = 6, 0.68  # each after a drive; the height looked at
-ABOUT = (0.08, 0.08, 0.5)  # m, m, rad: most of a drive
-SAME_M = 0.15  # an anchor is of no true object that is farther from where it is believed
+TOUR_LOOKS, TOP_M = 6, 0.68  # looks, each after a drive; height of the tables
+ABOUT = (0.08, 0.08, 0.5)  # m, m, rad: largest drive
+SAME_M = 0.15  # a true object farther than this from the believed position is not the anchor's
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +49,9 @@ class Moment:
     """The truth after a look.
 
     Attributes:
-        version: Number of events until then.
-        world_T_base: The true one.
-        things: The true thing that each anchor is of, of those that were told of and are not held.
+        version: Number of events up to the look.
+        world_T_base: The true pose of the base.
+        things: The true object of each anchor of the prior that is not held.
     """
 
     version: int
@@ -61,11 +61,11 @@ class Moment:
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """What a belief took in, and when it can be judged.
+    """The events of a belief, and the truth at the moments at which it is judged.
 
     Attributes:
-        events: Of the belief, in order; the first is `Began`. Which detection is of which anchor is part of them.
-        moments: After each look.
+        events: Events of the belief, in order, associations included; the first is `Began`.
+        moments: The truth after each look.
     """
 
     events: tuple[Event, ...]
@@ -77,11 +77,11 @@ class Errors:
     """Errors of one estimator after the looks of one run.
 
     Attributes:
-        base: What `errors` returns of the base in the world, shape (n, 5).
-        places: Of the place (x, y) of each graspable thing as seen from the base, shape (m, 4): squared error in m^2,
-            normalised one, and that of each axis.
-        headings: Of the heading of each box and table as seen from the base, as far as it shows, shape (k, 2): squared
-            error in rad^2, and normalised.
+        base: The rows of `errors` for the base in the world frame, shape (n, 5).
+        places: Errors of the position (x, y) of each graspable object in the base frame, shape (m, 4): squared error in
+            m^2, squared normalised error, and squared normalised error along each axis.
+        headings: Errors of the visible heading of each box and table in the base frame, shape (k, 2): squared error in
+            rad^2, and squared normalised error.
     """
 
     base: Array
@@ -97,7 +97,7 @@ def record(scenario: Path, seed: int, world: str, trace: Path) -> None:
 
 
 def along(trace: Trace) -> Recording:
-    """Return the log of a belief that is fed with the inputs of a trace."""
+    """Return the log of a belief that gets the inputs of a trace."""
     told, truth, steps = _read(trace)
     belief = Belief(told)
     moments = []
@@ -109,7 +109,7 @@ def along(trace: Trace) -> Recording:
 
 
 def touring(setup: Setup, seed: int) -> Recording:
-    """Return the log of a robot that drives about a little in PyBullet and looks at every table in turn."""
+    """Return the log of a robot that makes short drives in PyBullet and looks at every table in turn."""
     scenario, robot = setup.scenario, setup.scenario.robot
     start = (robot.base.x, robot.base.y, robot.base.theta)
     bodies, noise = true_bodies(scenario, setup.types), scenario.true_noise.message()
@@ -133,12 +133,12 @@ def touring(setup: Setup, seed: int) -> Recording:
 
 
 def judged(make: Callable[[Began], Estimator], recording: Recording, types: dict[str, ObjectType]) -> Errors:
-    """Return the errors of an estimator that is fed with a log.
+    """Return the errors of an estimator that gets a log.
 
     Args:
-        make: Begins an estimator.
+        make: Makes an estimator.
         recording: The log.
-        types: Of true things: what of their heading shows.
+        types: Types of the true objects, which determine how far a heading is visible.
     """
     began, *events = recording.events
     assert isinstance(began, Began), "a log starts with what is told"
@@ -159,7 +159,7 @@ def judged(make: Callable[[Began], Estimator], recording: Recording, types: dict
 
 
 def _place_errors(mean: Pose2, covariance: Matrix, seen: Pose2) -> tuple[float, ...]:
-    """Return the squared error, the squared normalised one, and that of each axis."""
+    """Return the squared error, the squared normalised error, and the one along each axis."""
     off = tangent(between(mean, (seen[0], seen[1], mean[2])))[:2]
     own = covariance[:2, :2]
     axes = np.square(off) / np.diag(own)
@@ -167,7 +167,7 @@ def _place_errors(mean: Pose2, covariance: Matrix, seen: Pose2) -> tuple[float, 
 
 
 def _heading_errors(mean: Pose2, covariance: Matrix, seen: Pose2, kind: ObjectType) -> tuple[float, float]:
-    """Return the squared error and the squared normalised one, of the heading as far as it shows."""
+    """Return the squared error and the squared normalised error of the visible heading."""
     off = least_turn(seen[2] - mean[2], kind)
     return off**2, off**2 / float(covariance[2, 2])
 
@@ -208,9 +208,9 @@ def _read(trace: Trace) -> tuple[Prior, dict[int, TrueState], list[tuple[Action,
 
 
 def _pairs(belief: Belief, true: TrueState) -> Iterator[tuple[str, TrueObject]]:
-    """Return which listed thing is which true one that is not held: those of a type nearest together, within reason.
+    """Yield each listed anchor with its true object, held ones left out: the nearest pairs of a type, within `SAME_M`.
 
-    Names do not tell: of two bottles told a hand apart, which was meant by which name is anybody's guess.
+    Names do not decide: if the prior has two bottles a hand apart, either may be meant by either name.
     """
     now = belief.snapshot(0)
     loose = [item for item in true.objects if item.in_hand is None]

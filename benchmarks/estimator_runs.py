@@ -1,4 +1,4 @@
-"""The belief and the filters along the same logs from PyBullet, rendering and detector included."""
+"""Comparison of the belief and the filters on the same logs from PyBullet, rendering and detector included."""
 
 import math
 import tempfile
@@ -29,18 +29,18 @@ from skolem.tools.loop.setup import prepare
 from skolem.traces.file.reader import Trace
 
 Array = NDArray[np.float64]
-SEEDS = 50  # of the tours of each scenario
-TOURS = ("sim1_green", "real2_green")  # cans on three tables; a can and two boxes, worse sensors and wheels
+SEEDS = 50  # tours of each scenario
+TOURS = ("sim1_green", "real2_green")  # cans on three tables; a can and two boxes, with worse sensors and wheels
 WHOLE = (("sim1_green", 2), ("sim2_heavy_soda", 1), ("real2_green", 2))  # whole runs: scenario, seeds
 OURS = "factor graph"
 MAKERS: dict[str, Callable[[Began], Estimator]] = {OURS: Smoother, "EKF": Ekf, "UKF (filterpy)": Ukf}
-IDEAL = {"base": 3, "places": 2, "headings": 1}  # NEES of each, its degrees of freedom
+IDEAL = {"base": 3, "places": 2, "headings": 1}  # ideal NEES: the degrees of freedom
 
 Results = dict[tuple[str, str], list[Errors]]  # by group of runs and estimator
 
 
 def recorded() -> Table:
-    """Measure tours of drives and looks in PyBullet, and a few whole runs from their traces."""
+    """Measure tours of drives and looks in PyBullet, and a few whole runs by their traces."""
     tours = _tours()
     bands = "; ".join(f"{what} {low:.2f} to {high:.2f}" for what, (low, high) in _bands().items())
     return Table(
@@ -99,7 +99,7 @@ def _nees(runs: Sequence[Errors], what: str) -> Array:
 
 
 def _outside(tours: Results, what: str) -> list[str]:
-    """Return the groups of which our mean NEES is outside the band."""
+    """Return the groups in which our mean NEES is outside the band."""
     low, high = _bands()[what]
     ours = {group: float(_nees(runs, what).mean()) for (group, name), runs in tours.items() if name == OURS}
     return [group for group, nees in ours.items() if not low <= nees <= high]
@@ -121,11 +121,11 @@ def _beside_peers(tours: Results) -> list[Comparison]:
 
 
 def _why(tours: Results) -> Iterator[str]:
-    """Yield what is known of each mean NEES that is outside its band or worse than a peer's."""
+    """Yield the known causes of each mean NEES that is outside its band or worse than a peer's."""
     for what, inside in _bands().items():
         for group in _outside(tours, what):
             peers = {name: float(_nees(runs, what).mean()) for (g, name), runs in tours.items() if g == group}
-            # squared normalised errors of each axis; a heading has one, which is the NEES itself
+            # squared normalised errors along each axis; a heading has one axis, so this is the NEES itself
             rows = np.vstack([getattr(run, what) for run in tours[group, OURS]])
             axes = rows[:, NEES:] if what == "headings" else rows[:, NEES + 1 :]
             yield why_outside(f"{what} in {group}", peers.pop(OURS), inside, peers, axes)

@@ -1,4 +1,4 @@
-"""How estimators are scored: errors, errors against what the belief says of them, and who is worse than whom."""
+"""Scores of estimators: errors, errors relative to the believed covariance, and paired comparisons."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -16,8 +16,8 @@ from skolem.estimation.se2 import Matrix, between, log as tangent
 from skolem.traces.messages import Pose2
 
 Array = NDArray[np.float64]
-SQUARE_M2, NEES, AXES = 0, 1, slice(2, 5)  # columns of what `errors` returns
-WORSE_SES = 2.0  # standard errors of the mean difference by which who is worse must be
+SQUARE_M2, NEES, AXES = 0, 1, slice(2, 5)  # columns of the rows of `errors`
+WORSE_SES = 2.0  # a worse estimator is worse by more than so many standard errors of the mean difference
 
 
 class Smoother:
@@ -42,14 +42,14 @@ class Smoother:
 
 
 def errors(mean: Pose2, covariance: Matrix, truth: Pose2) -> tuple[float, ...]:
-    """Return five squares: the error of the place in m^2, the normalised error of the pose, and that of each axis."""
+    """Return five squares: the position error in m^2, the normalised error of the pose, and the one along each axis."""
     off = tangent(between(mean, truth))
     axes = np.square(off) / np.diag(covariance)
     return (float(off[:2] @ off[:2]), float(off @ np.linalg.solve(covariance, off)), *(float(v) for v in axes))
 
 
 def band(runs: int, dof: int = 3) -> tuple[float, float]:
-    """Return where the mean of squared normalised errors of so many independent runs lies in 95 % of all cases."""
+    """Return the 95 % interval of the mean squared normalised error over independent runs of a consistent estimator."""
     return float(chi2.ppf(0.025, dof * runs)) / runs, float(chi2.ppf(0.975, dof * runs)) / runs
 
 
@@ -58,9 +58,9 @@ class Comparison:
     """Our mean NEES beside a peer's, on the same runs.
 
     Attributes:
-        what: Of what, and whose.
+        what: The quantity and the peer.
         ours, theirs: Means over the runs.
-        ideal: What both should be.
+        ideal: The ideal value of both.
         error: Standard error of the mean of the paired differences.
     """
 
@@ -72,7 +72,7 @@ class Comparison:
 
     @property
     def is_worse(self) -> bool:
-        """Whether ours is farther from the ideal by more than two standard errors."""
+        """Whether ours is farther from the ideal by more than `WORSE_SES` standard errors."""
         return abs(self.ours - self.ideal) > abs(self.theirs - self.ideal) + WORSE_SES * self.error
 
     def __str__(self) -> str:
@@ -80,20 +80,20 @@ class Comparison:
 
 
 def compared(what: str, ours: Array, theirs: Array, ideal: float) -> Comparison:
-    """Return the comparison of mean NEES of each run, shapes (n,)."""
+    """Return the comparison of two arrays with the mean NEES of each run, shapes (n,)."""
     error = float(np.std(ours - theirs, ddof=1)) / math.sqrt(len(ours))
     return Comparison(what, float(ours.mean()), float(theirs.mean()), ideal, error)
 
 
 def no_worse(comparisons: Sequence[Comparison]) -> Target:
-    """Return whether none of the peers is nearer to the ideal."""
+    """Return the target that no peer is nearer to the ideal."""
     worse = [comparison for comparison in comparisons if comparison.is_worse]
     text = "NEES no farther from ideal than a peer's on the same logs, by more than two standard errors"
     return Target(text, not worse, "; ".join(map(str, worse)) or "nowhere worse")
 
 
 def why_worse(comparisons: Sequence[Comparison]) -> Iterator[str]:
-    """Yield a paragraph on each comparison in which a peer is nearer to the ideal."""
+    """Yield a paragraph about each comparison in which a peer is nearer to the ideal."""
     for comparison in comparisons:
         if comparison.is_worse:
             side, sure = ("below", "less") if comparison.ours < comparison.ideal else ("above", "more")
@@ -105,19 +105,19 @@ def why_worse(comparisons: Sequence[Comparison]) -> Iterator[str]:
 
 
 def rms(squares: Array) -> float:
-    """Return the root of the mean."""
+    """Return the root of the mean of squares."""
     return math.sqrt(float(squares.mean()))
 
 
 def why_outside(what: str, found: float, inside: tuple[float, float], peers: dict[str, float], axes: Array) -> str:
-    """Return a paragraph on a mean NEES that is outside its band.
+    """Return a paragraph about a mean NEES that is outside its band.
 
     Args:
-        what: Of what it is.
+        what: The quantity.
         found: The mean.
         inside: The band.
-        peers: What the others have on the same logs.
-        axes: Squared normalised errors along each axis, shape (n, 1) of a heading, (n, 2) of a place or (n, 3).
+        peers: Means of the peers on the same logs.
+        axes: Squared normalised errors along each axis, shape (n, 1) of a heading, (n, 2) of a position or (n, 3).
     """
     low, high = inside
     names = {1: ("in heading",), 2: ("along x", "along y"), 3: ("along x", "along y", "in heading")}[axes.shape[1]]

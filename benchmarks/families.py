@@ -1,4 +1,4 @@
-"""What the families of random worlds are like: their ranges as a table, and histograms of what is drawn from them."""
+"""Description of the families of random worlds: their ranges, and histograms of drawn worlds."""
 
 import argparse
 import math
@@ -17,11 +17,11 @@ from skolem.sim.space.footprints import distance, footprint
 from skolem.tools.sweep.report import with_section
 
 BARS = " ▁▂▃▄▅▆▇█"
-HIDDEN = ("name", "about")  # columns of the table that have their own place
+HIDDEN = ("name", "about")  # fields of a variant that are no ranges
 
 
 def main() -> None:
-    """Print the table and the histograms, or put them into a page."""
+    """Print the ranges and the histograms, or put them into a page."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.families", description=__doc__)
     parser.add_argument("--seeds", type=int, default=100, help="worlds of each family")
     parser.add_argument("--write", type=Path, help="Markdown file that gets the account, between its markers")
@@ -36,7 +36,7 @@ def main() -> None:
 
 
 def ranges() -> str:
-    """Return every range of every variant that is not the usual one, as a table."""
+    """Return the ranges of every variant that differ from the usual ones, in Markdown."""
     usual = Variant("", "")
     lines = [
         "### Ranges",
@@ -74,7 +74,7 @@ def _said(value: object) -> str:
 
 
 def histograms(words: Words, seeds: int) -> str:
-    """Return a line per family and quantity: least, most, and how often what lies between was drawn."""
+    """Return a line for each family and quantity: least, most, and a histogram of the drawn values."""
     lines = [
         "### What is drawn",
         "",
@@ -104,7 +104,7 @@ def _things(made: Drawn, words: Words) -> Iterable[float]:
 
 
 def _gaps(made: Drawn, words: Words) -> Iterable[float]:
-    """Yield, of every thing that has a neighbour on its table, the gap to the nearest, cm."""
+    """Yield the gap to the nearest neighbour on the table for each object that has one, cm."""
     things = [thing for thing in made.world.things if words.types[thing.type].graspable]
     for thing in things:
         gaps = [_gap(thing, other, words) for other in things if other.id != thing.id and other.on == thing.on]
@@ -127,7 +127,7 @@ VALUES: tuple[Callable[[Drawn, Words], Iterable[float]], ...] = (_things, _gaps,
 
 
 def _histogram(parts: Iterable[Iterable[float]]) -> str:
-    """Return least, bars and most of all numbers."""
+    """Return the least number, the bars and the largest number as text."""
     numbers = [number for part in parts for number in part]
     if not numbers:
         return "-"

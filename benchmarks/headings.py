@@ -1,4 +1,4 @@
-"""Headings as far as they show: a box looks alike after half a turn, a square one after a quarter."""
+"""Visible headings: a box looks alike after half a turn, a square one after a quarter."""
 
 import math
 
@@ -6,5 +6,5 @@ from skolem.traces.messages import ObjectType
 
 
 def least_turn(angle: float, box: ObjectType) -> float:
-    """Return the smallest turn, rad, after which a box looks as after a turn by `angle`."""
+    """Return the smallest turn, rad, after which a box looks the same as after a turn by `angle`."""
     return math.remainder(angle, math.pi / 2.0 if box.size_m[0] == box.size_m[1] else math.pi)

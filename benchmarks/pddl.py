@@ -1,7 +1,7 @@
-"""A problem as PDDL, determinised: an observation shows what is hoped for, at -ln of its probability.
+"""A problem as determinised PDDL: every observation has the expected result, at a cost of -ln of its probability.
 
-`DETAILED` is the paper's example compiled by hand to what the robot believes: every fluent of the reasoner that matters
-here is one predicate, read "believed with .9", and every action of the robot one action. `CHOICE` has only what decides
+`DETAILED` is the paper's example, compiled by hand to the robot's belief: every fluent that matters here is one
+predicate, read "believed with .9", and every action of the robot one action. `CHOICE` has only the steps that decide
 which object is meant: examine, search, put down.
 """
 
@@ -15,7 +15,7 @@ from skolem.reasoner.planning.queries import IMPLAUSIBLE
 from skolem.reasoner.terms import nll
 
 _STEP: Final = nll(0.95)  # the step of CHOICE that puts the object down, micro-nats, as the rules price it
-_HOPED: Final = 0.1  # P of a property: below, the detailed problem does not offer to look for it
+_HOPED: Final = 0.1  # P of a property below which the detailed problem does not offer to look for it
 # Prices of the detailed problem are in hundredths of nats.
 _ACT: Final = 10  # a look for a pose, a pick, a place
 _SEARCH: Final = 20  # a look into a region
@@ -105,8 +105,8 @@ def choice(given: Problem) -> str:
 def detailed(given: Problem) -> str:
     """Return the problem of the domain `DETAILED`, prices in hundredths of nats.
 
-    The base may stand at its home or at any site. Things taken away are put aside, which is possible from everywhere;
-    else only the desk has room. Whoever is behind becomes free when what stands before it is picked.
+    The base may stand at its home or at any site. An object in the way is put aside, which is possible from everywhere;
+    otherwise only the desk has room. An object becomes free when the one before it is picked.
     """
     stands = {"home": given.home, "by-desk": given.places["desk"]}
     stands |= {f"by-{table}": given.places[table] for table in given.tables}
@@ -121,19 +121,19 @@ def detailed(given: Problem) -> str:
 
 
 def without_costs(text: str) -> str:
-    """Return a domain or problem of this module for a planner that counts steps only."""
+    """Return a domain or problem of this module without costs, for a planner that only counts steps."""
     kept = [line for line in text.splitlines() if not line.lstrip().startswith(("(:functions", "(:metric", "(= "))]
     out = "\n".join(kept).replace(" :action-costs", "")
     return re.sub(r" \(increase \(total-cost\) (\d+|\([^()]*\))\)", "", out)
 
 
 def _hidden(given: Problem) -> dict[str, str]:
-    """Return what each region may hold, by region."""
+    """Return the name of the possible object in each region, by region."""
     return {region: f"in{region}" for region in given.regions}
 
 
 def _known(given: Problem) -> Iterator[str]:
-    """Yield what is believed of the known objects."""
+    """Yield the facts about the known objects."""
     behind = {item.before[-1]: item.name for item in given.items if item.before}
     for item in given.items:
         yield f"(known {item.name}) (rests {item.name} {item.table})"
@@ -146,7 +146,7 @@ def _known(given: Problem) -> Iterator[str]:
 
 
 def _hoped_for(given: Problem) -> Iterator[str]:
-    """Yield what regions may hold: there is a heavy green can in one with the probability that its price says."""
+    """Yield the facts about regions: the price of a search is -ln of the probability of a heavy green can there."""
     for region, name in _hidden(given).items():
         yield f"(may-hold {region} {name}) (free {name}) (before {name} nothing) (weight-hoped {name})"
         yield f"(= (absence {region}) {_price(given.regions[region])})"
@@ -161,7 +161,7 @@ def _ways(stands: dict[str, tuple[float, float]]) -> Iterator[str]:
 
 
 def _price(p: float) -> int:
-    """Return -ln p in hundredths of nats; of a p below .001, that of .001."""
+    """Return -ln p in hundredths of nats; a p below .001 counts as .001."""
     return round(-100.0 * math.log(max(p, 1e-3)))
 
 

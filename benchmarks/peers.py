@@ -1,4 +1,4 @@
-"""The reasoner beside classical planners on the same problems: time, cost, and which object or region is chosen."""
+"""Comparison of the reasoner with classical planners on the same problems: time, cost, and chosen object or region."""
 
 import os
 import re
@@ -21,7 +21,7 @@ from skolem.reasoner.planning.queries import load_rules
 from skolem.reasoner.rulebook.book import Rulebook
 
 SIZES = (3, 10, 30, 100, 300)
-LIMIT_S = 22  # per call of a peer, wall time; most of what they take together is waiting for it
+LIMIT_S = 22  # wall time for each call of a peer; most of the benchmark's time is spent on calls that reach it
 REPEATS = 3
 _PLAN = re.compile(r"^(?:\[.*\] )?Plan cost: (\d+)", re.MULTILINE)
 _CHOICE = re.compile(r"\((examine|find) ([^\s()]+)(?: ([^\s()]+))?")
@@ -29,13 +29,13 @@ _CHOICE = re.compile(r"\((examine|find) ([^\s()]+)(?: ([^\s()]+))?")
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """How a planner is called.
+    """A planner and its command.
 
     Attributes:
-        name: In the table.
-        command: Before the files.
-        search: After the files.
-        costs: Whether it knows costs.
+        name: Its name in the results.
+        command: The words before the files.
+        search: The words after the files.
+        costs: Whether it supports costs.
     """
 
     name: str
@@ -46,14 +46,14 @@ class Peer:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a peer did with a problem.
+    """The result of a peer on a problem.
 
     Attributes:
         cpu_s: CPU time of the process and its children; None if there is no plan.
-        cost: Of the plan, in the unit of the problem; None if the planner knows no costs.
-        choice: The object that the plan examines at last, or the region it finds it in.
-        timed_out: Whether it was stopped for want of time.
-        why: What it said before it failed, if it did.
+        cost: Cost of the plan, in the unit of the problem; None if the planner does not support costs.
+        choice: The object that the plan examines last, or the region in which it finds it.
+        timed_out: Whether it was stopped at the time limit.
+        why: Its message if it failed otherwise.
     """
 
     cpu_s: float | None = None
@@ -68,12 +68,12 @@ class Outcome:
         return f"failed: {self.why}" if self.cpu_s is None else f"{self.cpu_s:.2f}"
 
     def slower_than(self, seconds: float) -> bool:
-        """Return whether it took longer, or had no plan when its time was up; who failed otherwise is not beaten."""
+        """Return whether it took longer or reached the time limit; a peer that failed otherwise does not count."""
         return seconds < (LIMIT_S if self.timed_out else self.cpu_s or 0.0)
 
 
 def peers() -> tuple[Peer, ...]:
-    """Return the planners that are compared; Fast Downward's times include its translation."""
+    """Return the planners of the comparison; Fast Downward's times include its translation."""
     spec = find_spec("up_fast_downward")
     assert spec is not None, "install the extra 'bench'"
     assert spec.origin is not None, "up_fast_downward is a package with files"
@@ -86,7 +86,7 @@ def peers() -> tuple[Peer, ...]:
 
 
 def solved_by(peer: Peer, domain: str, text: str) -> Outcome:
-    """Return what a planner makes of a PDDL problem, its start counted."""
+    """Return the result of a planner on a PDDL problem; its time includes its start."""
     if not peer.costs:
         domain, text = pddl.without_costs(domain), pddl.without_costs(text)
     with tempfile.TemporaryDirectory() as folder:
@@ -106,7 +106,7 @@ def solved_by(peer: Peer, domain: str, text: str) -> Outcome:
 
 
 def _run(command: list[str], folder: str) -> tuple[int | None, str]:
-    """Run a command and all that it starts; return its exit code, None if time was up, and what it printed."""
+    """Run a command with its child processes; return its exit code, None at the time limit, and its output."""
     with subprocess.Popen(
         command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     ) as process:
@@ -122,13 +122,13 @@ def _run(command: list[str], folder: str) -> tuple[int | None, str]:
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """One problem: what the reasoner and its peers made of it.
+    """The results of the reasoner and its peers on one problem.
 
     Attributes:
         first_s: CPU time of the reasoner from the belief to the first primitive action.
-        run: The reasoner in a whole run.
-        theirs: The peers on the detailed problem, by name.
-        least: The optimal peer on the choice alone.
+        run: Effort of the reasoner in a whole run.
+        theirs: Results of the peers on the detailed problem, by name.
+        least: Result of the optimal peer on the choice alone.
     """
 
     n: int
@@ -223,7 +223,7 @@ def _costs(each: Compared) -> list[object]:
 
 
 def _complaint(said: str) -> str:
-    """Return the line of a planner's output that tells best why it failed, fit for a table."""
+    """Return the line of a planner's output that best explains its failure, short enough for a cell."""
     lines = said.replace("|", "/").strip().splitlines() or ["no message"]
     return next(
         (line for line in reversed(lines) if re.search(r"error|undefined|memory", line, re.IGNORECASE)), lines[-1]
@@ -231,7 +231,7 @@ def _complaint(said: str) -> str:
 
 
 def _choice(plan: str) -> str:
-    """Return what a PDDL plan examines at last, or the region it finds it in."""
+    """Return the object that a PDDL plan examines last, or the region in which it finds it."""
     steps = [(kind, first, second) for kind, first, second in _CHOICE.findall(plan)]
     regions = {first: second for kind, first, second in steps if kind == "find"}
     examined = [first for kind, first, _ in steps if kind == "examine"]

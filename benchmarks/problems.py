@@ -1,8 +1,8 @@
-"""The paper's illustrative example with any number of objects: as a belief for the reasoner, and as PDDL for its peers.
+"""The paper's illustrative example with any number of objects, for the reasoner and, as PDDL, for its peers.
 
-Objects stand in rows on tables, five to a row; who wants one takes away what stands before it. Some are cans, some are
-green, all have a chance of being heavy. Regions nobody has looked into may hold a heavy green can. In state "a" some
-known object may be what is meant; in state "b" all of them have been found light, and only searching is left.
+Objects stand in rows of five on tables; to take one, the robot first takes away those before it. Some are cans, some
+are green, and each may be heavy. Unseen regions may hold a heavy green can. In state "a" some known object may be
+meant; in state "b" all of them have been found light, and only searching is left.
 """
 
 import math
@@ -15,12 +15,12 @@ State = Literal["a", "b"]
 GOAL: Final = "exists o. B(Den(lambda x. Can(x) & Green(x) & Heavy(x), o), 0.9) & B(On(o, desk), 0.9)"
 ROW: Final = 5
 ROOM_M: Final = 6.0
-UNLIKELY: Final = 0.02  # P(can) of a carton, P(green) of a blue thing
+UNLIKELY: Final = 0.02  # P(can) of a carton, P(green) of a blue object
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """A known object: P of each property, the table it stands on, and what stands before it, the nearest to it last."""
+    """A known object: P of each property, its table, and the objects before it, the nearest one last."""
 
     name: str
     table: str
@@ -41,10 +41,10 @@ class Problem:
 
     Attributes:
         items: The known objects.
-        tables: What they stand on.
+        tables: The tables on which they stand.
         regions: P(a heavy green can is in it), by region; each lies on a support of its own.
         places: Position of the desk and of every table and support, metres.
-        home: Where the robot is at first, metres.
+        home: Position of the robot at the start, metres.
     """
 
     items: tuple[Item, ...]
@@ -80,7 +80,7 @@ def problem(n: int, state: State, seed: int) -> Problem:
 
 
 def support(region: str) -> str:
-    """Return the name of what a region lies on."""
+    """Return the name of the support of a region."""
     return f"shelf{region.removeprefix('_reg').removesuffix('_')}"
 
 

@@ -1,4 +1,4 @@
-"""The reasoner alone: one regression step, its growth with the belief, and the time to the first action."""
+"""Measurements of the reasoner alone: one regression step, its growth with the belief, and time to the first action."""
 
 import cProfile
 import io
@@ -25,15 +25,15 @@ from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Term, from_symbol, parse_term
 
 MOST = 5000
-SERIES = ((5, (5, MOST)), (8, (8, 50, 500, MOST)))  # objects that the subgoal is about; objects known
+SERIES = ((5, (5, MOST)), (8, (8, 50, 500, MOST)))  # number of objects in the subgoal; numbers of known objects
 OPEN_FLUENTS = 16
 CANDIDATES = 8
-ROUNDS, REPEATS, PAUSE_S = 10, 3, 2.0  # over a while: times of one second can all be longer than those of another
+ROUNDS, REPEATS, PAUSE_S = 10, 3, 2.0  # spread over time: the machine may be slower for a second or two
 LEAST_STATEMENTS = 150
 STEP_MS, GROWTH, CALLS = 5.0, 1.5, 30
 FIRST_S = {3: 0.10, 10: 0.10, 30: 0.20, 100: 1.0, 300: 2.0, 3000: 10.0}
-WORST_LINES = 10  # of a profile
-_BOUND = "v(350,800,800),sd(20,20,20),tol(90,190,190),693147"  # of a colour that makes a thing green
+WORST_LINES = 10  # printed lines of a profile
+_BOUND = "v(350,800,800),sd(20,20,20),tol(90,190,190),693147"  # a colour that makes an object green
 _FLUENTS = {  # the forms of a subgoal's fluents
     "den": "b(den(e1,{o}),105361)",
     "on": "b(on({o},desk),105361)",
@@ -42,7 +42,7 @@ _FLUENTS = {  # the forms of a subgoal's fluents
     "holding": "holding({o})",
     "weight": "b(supposed(heavy,{o}),35120)",
 }
-_MORE = {  # beside "den" of every object: how many fluents of the other forms
+_MORE = {  # number of fluents of each other form, in addition to "den" of every object
     5: {"on": 4, "pose": 2, "colour": 2, "holding": 1, "weight": 2},
     8: {"on": 3, "pose": 1, "colour": 2, "holding": 1, "weight": 1},
 }
@@ -66,11 +66,11 @@ class Steps:
         self.queries = Queries(self._situation, self._denotations.alternatives)
 
     def warm(self) -> RuleOffers:
-        """Return offers that know nothing yet, in a belief that has been asked before."""
+        """Return empty offers in a belief whose answers are cached."""
         return RuleOffers(self._rulebook, self._situation, self.queries, self._mutexes)
 
     def fresh(self) -> RuleOffers:
-        """Return offers in a belief of which only the goal's description has been evaluated."""
+        """Return empty offers in a belief in which only the goal's description has been evaluated."""
         return self._posed().offers
 
     def _posed(self) -> PosedGoal:
@@ -79,7 +79,7 @@ class Steps:
 
 
 def step(rulebook: Rulebook) -> Table:
-    """Return the table of one regression step: what the rules offer for all open fluents of a subgoal."""
+    """Return the measurements of one regression step: the offers of the rules for all open fluents of a subgoal."""
     statements = sum(len(found) for _, found in rulebook.sources)
     beliefs = [Steps(n, about, rulebook) for about, sizes in SERIES for n in sizes]
     kinds = [
@@ -141,7 +141,7 @@ class _Measured:
             offers().prepare(steps.subgoal)
 
     def repeat(self) -> None:
-        """Take one more time in every belief."""
+        """Measure one more time in every belief."""
         for (steps, offers), taken in zip(self._asked, self._taken, strict=True):
             asked = offers()
             begun = time.process_time()
@@ -153,16 +153,16 @@ class _Measured:
         return min(self._taken[i])
 
     def told(self, i: int) -> str:
-        """Return the shortest time and the median in the i-th belief."""
+        """Return the shortest time and the median in the i-th belief, as text."""
         return f"{self.ms(i):.2f} ({statistics.median(self._taken[i]):.2f})"
 
     def growth(self, i: int) -> float:
-        """Return the shortest time in the i-th belief over that in the first one with the same subgoal."""
+        """Return the ratio of the shortest time in the i-th belief to that in the first one with the same subgoal."""
         about = [steps.about for steps, _ in self._asked]
         return self.ms(i) / self.ms(about.index(about[i]))
 
     def targets(self) -> list[Target]:
-        """Return what was asked of speed and growth, and whether it was found."""
+        """Return the targets of speed and growth, with the figures found."""
         small = next(i for i, (steps, _) in enumerate(self._asked) if steps.n == steps.about == CANDIDATES)
         largest = [i for i, (steps, _) in enumerate(self._asked) if steps.n == MOST]
         growth = max(map(self.growth, largest))
@@ -177,7 +177,7 @@ class _Measured:
         ]
 
     def notes(self) -> list[str]:
-        """Return where the time of the last step goes, if a target is missed."""
+        """Return a profile of the last step if a target is missed."""
         if all(target.met for target in self.targets()):
             return []
         steps, offers = self._asked[-1]
@@ -206,7 +206,7 @@ def _one_by_one(rulebook: Rulebook, queries: Queries, fluents: Sequence[Term]) -
 
 
 def first_actions(rulebook: Rulebook) -> Table:
-    """Return the table of times from a belief to the first primitive action."""
+    """Return the times from a belief to the first primitive action."""
     whole_run(problem(3, "a", 0), rulebook)
     rows: list[list[object]] = []
     targets: list[Target] = []
@@ -246,7 +246,7 @@ def first_actions(rulebook: Rulebook) -> Table:
 
 
 def _calls(thought: Thinking, where: str) -> str:
-    """Return which searches called clingo so often."""
+    """Return the number of clingo calls of each search before the first action, as text."""
     told = [
         f"{decision.clingo_calls} for {' & '.join(decision.subgoal)} ({decision.expansions} expansions)"
         for decision in thought.decisions
@@ -255,7 +255,7 @@ def _calls(thought: Thinking, where: str) -> str:
 
 
 def _subgoal(about: int) -> tuple[Term, ...]:
-    """Return sixteen fluents about so many objects."""
+    """Return `OPEN_FLUENTS` fluents about the given number of objects."""
     more = [form for form, count in _MORE[about].items() for _ in range(count)]
     fluents = [_FLUENTS["den"].format(o=f"o{k + 1}") for k in range(about)]
     fluents += [_FLUENTS[form].format(o=f"o{k % about + 1}") for k, form in enumerate(more)]
@@ -264,7 +264,7 @@ def _subgoal(about: int) -> tuple[Term, ...]:
 
 
 def _profile(work: Callable[[], object]) -> str:
-    """Return where the time of some work goes, as a block of text."""
+    """Return the profile of a function, as a block of text."""
     profiler = cProfile.Profile()
     profiler.runcall(work)
     text = io.StringIO()

@@ -1,4 +1,4 @@
-"""How much faster than a run its replay is: as whole commands, and where one command replays many runs."""
+"""Comparison of the times of runs and of their replays: one run for each command, and many runs in one command."""
 
 import json
 import subprocess
@@ -13,8 +13,8 @@ from benchmarks.tables import ROOT, Table, Target
 SCENARIOS = tuple(sorted(path.stem for path in (ROOT / "scenarios").glob("*.yaml")))
 SKOLEM = Path(sys.executable).with_name("skolem")
 TIMES = 20
-ROUNDS = 2  # of every command: the fastest counts, of runs as of replays
-MORE_SEEDS = (1, 2)  # of each scenario, for a folder of traces
+ROUNDS = 2  # repetitions of every command: the fastest one counts
+MORE_SEEDS = (1, 2)  # further seeds of each scenario, for a folder of traces
 
 
 def tables() -> list[Table]:
@@ -83,7 +83,7 @@ def _faster(what: str, than: str, ratio: float) -> Target:
 
 
 def _start_up(seconds: float) -> str:
-    """Return what a short replay spends its time on."""
+    """Return a note on the time that a short replay spends on its start."""
     return (
         f"Of each command about {seconds:.2f} s are the start: loading numpy, scipy, gtsam, clingo, pydantic and "
         "the product. Of a replay itself the first part is reading the rules of the trace, which the last columns are "
@@ -92,7 +92,7 @@ def _start_up(seconds: float) -> str:
 
 
 def _run(trace: Path, scenario: str, seed: int) -> float:
-    """Return the seconds of one command that runs a scenario; its trace is replaced."""
+    """Run a scenario by one command, which replaces the trace, and return the seconds."""
     trace.unlink(missing_ok=True)
     return _timed(["run", f"scenarios/{scenario}.yaml", "--seed", str(seed), "--profile", "-q", "-o", str(trace)])[0]
 
@@ -100,17 +100,17 @@ def _run(trace: Path, scenario: str, seed: int) -> float:
 def _fastest(
     traces: Sequence[Path], workers: Sequence[str] = ("--workers", "1")
 ) -> tuple[float, list[dict[str, float]]]:
-    """Return the least that several commands, all of the same traces, took: as a whole, and of each replay."""
+    """Return the shortest time of a repeated command and of each of its replays, in seconds."""
     every = [_replayed(traces, workers) for _ in range(ROUNDS)]
     each = [min(replays, key=lambda found: found["replay_s"]) for replays in zip(*(r for _, r in every), strict=True)]
     return min(seconds for seconds, _ in every), each
 
 
 def _replayed(traces: Sequence[Path], workers: Sequence[str]) -> tuple[float, list[dict[str, float]]]:
-    """Return the seconds of one command, and what it says of each trace.
+    """Replay traces by one command, and return its seconds and its output for each trace.
 
     Raises:
-        RuntimeError: If one is not identical.
+        RuntimeError: If a replay is not identical.
     """
     seconds, out = _timed(["replay", "--json", *workers, *map(str, traces)])
     found = [json.loads(line) for line in out.splitlines()]
@@ -124,7 +124,7 @@ def _timed(arguments: Sequence[str]) -> tuple[float, str]:
     """Run a command of the product; return its wall time and what it printed.
 
     Raises:
-        RuntimeError: If it fails; that a goal is not achieved is no failure.
+        RuntimeError: If the command fails; a goal that is not achieved is no failure.
     """
     begun = time.monotonic()
     done = subprocess.run([str(SKOLEM), *arguments], cwd=ROOT, capture_output=True, text=True, check=False)

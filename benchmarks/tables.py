@@ -1,4 +1,4 @@
-"""Tables of measurements, and the page they are written to: each section between markers of its own."""
+"""Tables of measurements, and the page that holds each of them in a section between markers."""
 
 import os
 import platform
@@ -18,11 +18,11 @@ Made by `make bench`. Times are of one machine and differ from another's; what i
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """What a table should show, and whether it does.
+    """A target of a measurement.
 
     Attributes:
-        text: What is asked for.
-        met: Whether the measurement has it.
+        text: The target in words.
+        met: Whether the measurement meets it.
         found: The figure that decides.
     """
 
@@ -39,12 +39,12 @@ class Table:
     """One measurement.
 
     Attributes:
-        title: Of its section; also what its markers are called.
+        title: Title of its section; the name of its markers derives from it.
         about: What was measured, and how.
         header: Names of the columns.
-        rows: Cells, as they are printed.
-        targets: What was asked for.
-        notes: Paragraphs below, such as the profile of what missed its target.
+        rows: The cells.
+        targets: The targets.
+        notes: Paragraphs below, such as a profile if a target is missed.
     """
 
     title: str
@@ -66,7 +66,7 @@ class Table:
 
 
 def write(table: Table, page: Path = PAGE) -> None:
-    """Put a section into the page, in the place of the one of the same title, or at the end."""
+    """Put a section into the page: it replaces the one of the same title, or is added at the end."""
     text = page.read_text(encoding="utf-8") if page.exists() else INTRODUCTION
     name = _name(table.title)
     begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
@@ -77,7 +77,7 @@ def write(table: Table, page: Path = PAGE) -> None:
 
 
 def keep_only(titles: Collection[str], page: Path = PAGE) -> None:
-    """Take the sections out of the page that have none of these titles."""
+    """Remove the sections with other titles from the page."""
     names = {_name(title) for title in titles}
 
     def kept(section: re.Match[str]) -> str:
@@ -89,7 +89,7 @@ def keep_only(titles: Collection[str], page: Path = PAGE) -> None:
 
 
 def _name(title: str) -> str:
-    """Return what the markers of a section are called."""
+    """Return the name of a section's markers."""
     return re.sub(r"\W+", "-", title.lower()).strip("-")
 
 
@@ -98,7 +98,7 @@ def _row(cells: Sequence[object]) -> str:
 
 
 def _where() -> str:
-    """Return commit and machine; the page itself, which is being rewritten, is no local change."""
+    """Return commit and machine; changes of the page itself do not count as local changes."""
     git, others = ["git", "-C", str(ROOT)], [".", f":(exclude){PAGE.relative_to(ROOT)}"]
     commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
     status = [*git, "status", "--porcelain", "--", *others]

@@ -1,4 +1,4 @@
-"""How long a recorded run takes to become a recording of the viewer."""
+"""Measurement of the time to convert a recorded run into a recording of the viewer."""
 
 import tempfile
 import time
@@ -11,13 +11,13 @@ from skolem.tools.view.viewing import record
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import TICKS_PER_SECOND
 
-SCENARIOS = (("illustrative", 3, True), ("illustrative", 3, False))  # seed, pictures; of more than a minute
+SCENARIOS = (("illustrative", 3, True), ("illustrative", 3, False))  # seed, pictures; runs of more than a minute
 TIMES = 5
 MINUTE_S, LIMIT_S = 60.0, 2.0
 
 
 def tables() -> list[Table]:
-    """Return the times of the conversion of runs in PyBullet."""
+    """Return the conversion times of runs in PyBullet."""
     with tempfile.TemporaryDirectory() as folder:
         found = [_measured(Path(folder), *each) for each in SCENARIOS]
     worst = max(minute for _, minute in found)
@@ -42,7 +42,7 @@ def tables() -> list[Table]:
 
 
 def _measured(folder: Path, scenario: str, seed: int, pictures: bool) -> tuple[list[object], float]:
-    """Return the row of a run, and the seconds that a minute of it takes."""
+    """Return the row of a run, and the conversion time of a minute of it in seconds."""
     path = folder / f"{scenario}-{pictures}.mcap"
     setup = prepare(ROOT / "scenarios" / f"{scenario}.yaml", (), seed, "pybullet", images=pictures)
     run(setup, path)

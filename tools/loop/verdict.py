@@ -107,8 +107,7 @@ def own_makes_it_true(
 ) -> bool:
     """Return whether the goal is true of the object that the robot chose, and not only of another one.
 
-    In a goal with several variables the first described object counts; a goal without variables is true or false of
-    no object in particular.
+    In a goal with several variables the first described object counts; a goal without variables only has to be true.
 
     Args:
         goal: The goal of the run.
