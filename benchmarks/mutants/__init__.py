@@ -1,0 +1,1 @@
+"""How many small faults in the product its tests notice: `python -m benchmarks.mutants`."""

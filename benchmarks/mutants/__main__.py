@@ -1,0 +1,48 @@
+"""Draw mutants, check them against the tests of their rooms and the survivors against the recorded runs.
+
+`python -m benchmarks.mutants --each 84 -o out/mutants.jsonl`; the same command goes on where it was interrupted.
+"""
+
+import argparse
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from benchmarks.mutants.checking import apart, name, rows, said, summary
+from benchmarks.mutants.drawing import ROOT, drawn
+
+ROOMS: Final[Mapping[str, tuple[str, ...]]] = {  # and the tests of each
+    "reasoner": ("tests/reasoner/test_agent.py", "tests/reasoner/test_terms.py"),
+    "reasoner/language": ("tests/reasoner/language",),
+    "reasoner/rulebook": ("tests/reasoner/rulebook",),
+    "reasoner/planning": ("tests/reasoner/planning",),
+    "reasoner/lint": ("tests/reasoner/lint",),
+    "estimation": ("tests/estimation",),
+}
+REPLAYS: Final = ("tests/traces/compare/test_golden.py", "tests/tools/recorded")
+
+
+def main() -> None:
+    """Check mutants of the rooms named on the command line; of all by default."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
+    parser.add_argument("rooms", nargs="*", metavar="ROOM", help=f"of {', '.join(ROOMS)}; all by default")
+    parser.add_argument("--seed", type=int, default=0, help="decides which mutants are drawn")
+    parser.add_argument("--each", type=int, default=84, help="how many mutants of each room")
+    parser.add_argument("-o", "--out", type=Path, default=ROOT / "out" / "mutants.jsonl", help="a line for each result")
+    options = parser.parse_args()
+    rooms = options.rooms or list(ROOMS)
+    if unknown := sorted(set(rooms) - ROOMS.keys()):
+        parser.error(f"no room {unknown[0]!r}; there are: {', '.join(ROOMS)}")
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    mutants = [mutant for room in rooms for mutant in drawn(room, options.each, options.seed)]
+    for room in rooms:
+        apart("room", ROOMS[room], [mutant for mutant in mutants if mutant.room == room], options.out)
+    alive = {name(row) for row in rows(options.out) if row["outcome"] in ("survived", "uncovered")}
+    apart("replays", REPLAYS, [mutant for mutant in mutants if name(said("room", mutant)) in alive], options.out)
+    wanted = {name(said("room", mutant)) for mutant in mutants}
+    sys.stdout.write(summary([row for row in rows(options.out) if name(row) in wanted]))
+
+
+if __name__ == "__main__":
+    main()
