@@ -24,7 +24,7 @@ def misused(goal: Goal, vocabulary: Vocabulary) -> list[str]:
     comparing = {word_of(word) for word in vocabulary.exceeds}
     alone = [each.phi for each in goal.conjuncts if isinstance(each, Believed) and isinstance(each.phi, Atom)]
     faults = [
-        f"{atom}: {atom.word} is told of described objects only; write it inside of a lambda"
+        f"{atom}: {atom.word} is for descriptions only; write it inside of a lambda"
         for atom in alone
         if len(atom.args) > 1 and atom.word not in SPATIAL
     ]

@@ -17,7 +17,7 @@ from skolem.reasoner.rulebook.files import RuleFile, explain, parse
 from skolem.reasoner.rulebook.parts import Atom, Signature, Statement
 from skolem.reasoner.rulebook.questions import CLINGO_OPTIONS
 from skolem.reasoner.rulebook.validate import INPUT, OUTPUT, check
-from skolem.reasoner.rulebook.vocabulary import WORD_FACTS, Place, Vocabulary, read_vocabulary
+from skolem.reasoner.rulebook.vocabulary import WORD_FACTS, Position, Vocabulary, read_vocabulary
 from skolem.reasoner.terms import Compound, Term, from_symbol
 from skolem.traces.errors import Fault, InternalError
 
@@ -122,8 +122,8 @@ def _grounded(files: _Files, strict: bool) -> tuple[list[Fault], clingo.Control]
     while True:
         messages: list[str] = []
         control = _facts_alone((s for _, statements in left for s in statements), messages)
-        told = [m for m in messages if (strict and not faults) or not _ABOUT_NAMES.search(m)]
-        found = explain(told, [file for file, _ in left])
+        kept = [m for m in messages if (strict and not faults) or not _ABOUT_NAMES.search(m)]
+        found = explain(kept, [file for file, _ in left])
         faults += found
         if control is not None:
             return faults, control
@@ -159,30 +159,30 @@ def _facts_alone(statements: Iterable[Statement], messages: list[str]) -> clingo
 # ---------------------------------------------------------------- words
 
 
-def _word_facts(control: clingo.Control, files: _Files) -> list[tuple[Compound, Place]]:
+def _word_facts(control: clingo.Control, files: _Files) -> list[tuple[Compound, Position]]:
     """Return the atoms that give words a meaning, each with its position."""
-    places = _places(files)
+    positions = _positions(files)
     found = []
     for signature in WORD_FACTS.items():
         for atom in control.symbolic_atoms.by_signature(*signature):
             fact = from_symbol(atom.symbol)
             assert isinstance(fact, Compound)
-            found.append((fact, places.get(str(fact)) or places[f"{signature[0]}/{signature[1]}"]))
+            found.append((fact, positions.get(str(fact)) or positions[f"{signature[0]}/{signature[1]}"]))
     return found
 
 
-def _places(files: _Files) -> Mapping[str, Place]:
+def _positions(files: _Files) -> Mapping[str, Position]:
     """Return the position of each word fact by its text, and of each predicate's first rule by `name/arity`."""
-    found: dict[str, Place] = {}
+    found: dict[str, Position] = {}
     for file, statements in files:
         for statement in statements:
             head = statement.head
             if not isinstance(head, Atom):
                 continue
             for name, arity in OUTPUT.intersection(head.signatures):
-                place = Place(*_begin(statement.tree), file.fault, file.own, _arguments(head.place))
-                found.setdefault(head.text.replace(" ", ""), place)
-                found.setdefault(f"{name}/{arity}", place)
+                position = Position(*_begin(statement.tree), file.fault, file.own, _arguments(head.place))
+                found.setdefault(head.text.replace(" ", ""), position)
+                found.setdefault(f"{name}/{arity}", position)
     return found
 
 

@@ -23,8 +23,8 @@ from skolem.reasoner.rulebook.recursion import endless, reached
 from skolem.reasoner.rulebook.vocabulary import WORD_FACTS
 from skolem.traces.errors import Fault
 
-_Place = Callable[[str], Fault]  # makes a fault at a position from a message
-_At = Callable[[AST], _Place]
+_FaultAt = Callable[[str], Fault]  # makes a fault at a position from a message
+_At = Callable[[AST], _FaultAt]
 
 INPUT: Final[frozenset[Signature]] = frozenset(
     {("goal", 1), ("posed", 1), ("open", 1), ("lambda", 3)}
@@ -159,7 +159,7 @@ class _Use:
     """A predicate in a body; `strict` under `not`, in an aggregate or in a condition."""
 
     signature: Signature
-    place: _Place
+    place: _FaultAt
     strict: bool
 
 
@@ -172,20 +172,20 @@ class _Seen:
 
     constants: dict[str, int]
     large: bool
-    heads: list[tuple[Signature, _Place]] = field(default_factory=list)
+    heads: list[tuple[Signature, _FaultAt]] = field(default_factory=list)
     uses: list[_Use] = field(default_factory=list)
-    calls: list[tuple[str, int, _Place]] = field(default_factory=list)
+    calls: list[tuple[str, int, _FaultAt]] = field(default_factory=list)
     declared: set[Signature] = field(default_factory=set)
     shown: set[Signature] = field(default_factory=set)
     depends: dict[Signature, set[Signature]] = field(default_factory=dict)
     strict: list[tuple[Signature, _Use]] = field(default_factory=list)
-    words: list[tuple[Signature, _Place, list[_Use]]] = field(default_factory=list)  # derived, not stated
+    words: list[tuple[Signature, _FaultAt, list[_Use]]] = field(default_factory=list)  # derived, not stated
     faults: list[Fault] = field(default_factory=list)
     refused: list[Statement] = field(default_factory=list)
     missing: set[Signature] = field(default_factory=set)  # predicates in the heads of refused statements
 
     def read(self, file: RuleFile, statement: Statement) -> None:
-        def at(node: AST) -> _Place:
+        def at(node: AST) -> _FaultAt:
             return lambda message: file.fault(node.location.begin.line, node.location.begin.column, message)
 
         before = len(self.faults)

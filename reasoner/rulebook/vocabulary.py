@@ -31,7 +31,7 @@ _WORD: Final = re.compile(r"[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*")
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class Position:
     """The position of a fact in a rule file.
 
     Attributes:
@@ -96,7 +96,7 @@ def comparison(relation: str, thousandths: int) -> str:
 
 
 def read_vocabulary(
-    facts: Iterable[tuple[Compound, Place]], whole: bool = True
+    facts: Iterable[tuple[Compound, Position]], whole: bool = True
 ) -> tuple[Vocabulary, list[Fault], list[Fault]]:
     """Return the vocabulary, every fault and every warning.
 
@@ -109,59 +109,59 @@ def read_vocabulary(
     types = _types(chosen, faults, whole)
     meanings: dict[str, Meaning] = {word: TypeIs(type=word) for word in types}
     for name, read in (("colour", _colour), ("weight", _weight)):
-        for word, (fact, place) in chosen[name].items():
+        for word, (fact, position) in chosen[name].items():
             if word in meanings:
-                faults.append(place.fault(f"{word!r} already names a {meanings[word].quantity}; {_ANOTHER}", 0))
-            meaning = read(fact, place, faults)
+                faults.append(position.fault(f"{word!r} already names a {meanings[word].quantity}; {_ANOTHER}", 0))
+            meaning = read(fact, position, faults)
             if meaning is not None:
                 meanings[word] = meaning
     warnings = _overlaps(chosen["colour"], meanings)
     warnings += _gaps(chosen["colour"], meanings) if whole and not faults else []
     near_m, exceeds = _distances(chosen["near"], faults), _comparisons(chosen["exceeds"], faults)
-    for word, (_, place) in sorted((chosen["near"] | chosen["exceeds"]).items()):
+    for word, (_, position) in sorted((chosen["near"] | chosen["exceeds"]).items()):
         if word in meanings or (word in near_m and word in exceeds):
-            faults.append(place.fault(f"{word!r} already has another meaning; {_ANOTHER}", 0))
+            faults.append(position.fault(f"{word!r} already has another meaning; {_ANOTHER}", 0))
     return Vocabulary(dict(sorted(types.items())), dict(sorted(meanings.items())), near_m, exceeds), faults, warnings
 
 
-_Chosen = dict[str, dict[str, tuple[Compound, Place]]]
+_Chosen = dict[str, dict[str, tuple[Compound, Position]]]
 
 
-def _replaced(facts: Sequence[tuple[Compound, Place]], faults: list[Fault]) -> _Chosen:
+def _replaced(facts: Sequence[tuple[Compound, Position]], faults: list[Fault]) -> _Chosen:
     """Return the fact in force by predicate and word."""
     chosen: _Chosen = {name: {} for name in WORD_FACTS}
-    for fact, place in sorted(facts, key=lambda item: item[1].own):
+    for fact, position in sorted(facts, key=lambda item: item[1].own):
         word = fact.args[0]
         if not isinstance(word, str) or not _WORD.fullmatch(word):
-            faults.append(place.fault(f"expected a word in lower case such as soda_box, found {word}", 0))
+            faults.append(position.fault(f"expected a word in lower case such as soda_box, found {word}", 0))
         elif word_of(word) in RESERVED_WORDS or word == ANY or word in REFUSED:
-            faults.append(place.fault(f"{word!r} cannot be a word: the goal language uses it; {_ANOTHER}", 0))
-        elif word in chosen[fact.name] and chosen[fact.name][word][1].own == place.own:
+            faults.append(position.fault(f"{word!r} cannot be a word: the goal language uses it; {_ANOTHER}", 0))
+        elif word in chosen[fact.name] and chosen[fact.name][word][1].own == position.own:
             before = chosen[fact.name][word]
-            faults.append(place.fault(f"{fact} contradicts {before[0]} in {before[1]}; leave one of them out"))
+            faults.append(position.fault(f"{fact} contradicts {before[0]} in {before[1]}; leave one of them out"))
         else:
-            chosen[fact.name][word] = (fact, place)
+            chosen[fact.name][word] = (fact, position)
     return chosen
 
 
 def _types(chosen: _Chosen, faults: list[Fault], whole: bool) -> dict[str, ObjectType]:
     types: dict[str, ObjectType] = {}
-    for word, (_, place) in chosen["type"].items():
+    for word, (_, position) in chosen["type"].items():
         shapes = [name for name in SHAPES if word in chosen[name]]
         own = [name for name in shapes if chosen[name][word][1].own]
         if len(own or shapes) != 1:
             found = f"found {' and '.join(own or shapes)}" if shapes else f"found none; state {_size_of(word)}"
             if whole or shapes:
-                faults.append(place.fault(f"type {word!r} needs exactly one of {', '.join(SHAPES)}; {found}"))
+                faults.append(position.fault(f"type {word!r} needs exactly one of {', '.join(SHAPES)}; {found}"))
             continue
         shape = (own or shapes)[0]
         object_type = _shape(*chosen[shape][word], word in chosen["graspable"], faults)
         if object_type is not None:
             types[word] = object_type
     for name in (*SHAPES, "graspable") if whole else ():
-        for word, (_, place) in chosen[name].items():
+        for word, (_, position) in chosen[name].items():
             if word not in chosen["type"]:
-                faults.append(place.fault(f"{word!r} is not a type; state type({word}).", 0))
+                faults.append(position.fault(f"{word!r} is not a type; state type({word}).", 0))
     return types
 
 
@@ -170,14 +170,14 @@ def _size_of(word: str) -> str:
     return f"for example cylinder({word}, 66, 66, 115). (width, depth and height in mm)"
 
 
-def _shape(fact: Compound, place: Place, graspable: bool, faults: list[Fault]) -> ObjectType | None:
-    size = _integers(fact, place, faults, [_Range("a size", 1, 10_000, "mm")] * 3)
+def _shape(fact: Compound, position: Position, graspable: bool, faults: list[Fault]) -> ObjectType | None:
+    size = _integers(fact, position, faults, [_Range("a size", 1, 10_000, "mm")] * 3)
     if size is None:
         return None
     x, y, z = (value / 1000 for value in size)
     if fact.name == "cylinder" and x != y:
         remedy = f"write {fact.args[1]} twice, or state a box"
-        faults.append(place.fault(f"a cylinder is as wide as it is deep; {fact} is not: {remedy}", 2))
+        faults.append(position.fault(f"a cylinder is as wide as it is deep; {fact} is not: {remedy}", 2))
         return None
     match fact.name:
         case "box" | "cylinder" | "table" as shape:
@@ -185,7 +185,7 @@ def _shape(fact: Compound, place: Place, graspable: bool, faults: list[Fault]) -
     raise AssertionError(fact)
 
 
-def _colour(fact: Compound, place: Place, faults: list[Fault]) -> HsvVolume | None:
+def _colour(fact: Compound, position: Position, faults: list[Fault]) -> HsvVolume | None:
     problems = [
         (at + 1, f"{name} from {fact.args[at]} to {fact.args[at + 1]} is empty; {remedy}")
         for at, name, remedy in (
@@ -195,8 +195,8 @@ def _colour(fact: Compound, place: Place, faults: list[Fault]) -> HsvVolume | No
         )
         if _empty(fact.args[at], fact.args[at + 1], turns=at == 1)
     ]
-    faults += [place.fault(f"colour {fact.args[0]}: {problem}", at) for at, problem in problems]
-    values = _integers(fact, place, faults, [_HUE] * 2 + [_PERCENT] * 4)
+    faults += [position.fault(f"colour {fact.args[0]}: {problem}", at) for at, problem in problems]
+    values = _integers(fact, position, faults, [_HUE] * 2 + [_PERCENT] * 4)
     if values is None or problems:
         return None
     hue, (s, s2, v, v2) = values[:2], (value / 100 for value in values[2:])
@@ -210,36 +210,36 @@ def _empty(low: Term, high: Term, turns: bool) -> bool:
     return low % 360 == high % 360 and high - low != 360 if turns else low >= high
 
 
-def _weight(fact: Compound, place: Place, faults: list[Fault]) -> WeightInterval | None:
+def _weight(fact: Compound, position: Position, faults: list[Fault]) -> WeightInterval | None:
     open_ended = fact.args[2] == ANY
     limits = Compound(fact.name, fact.args[:2]) if open_ended else fact
-    grams = _integers(limits, place, faults, [_GRAMS, _GRAMS_OR_ANY])
+    grams = _integers(limits, position, faults, [_GRAMS, _GRAMS_OR_ANY])
     if grams is None:
         return None
     if not open_ended and grams[0] >= grams[1]:
         remedy = f"let it end above {grams[0]}, or write any for no end"
-        faults.append(place.fault(f"weight {fact.args[0]}: from {grams[0]} to {grams[1]} g is empty; {remedy}", 2))
+        faults.append(position.fault(f"weight {fact.args[0]}: from {grams[0]} to {grams[1]} g is empty; {remedy}", 2))
         return None
     return WeightInterval(at_least_kg=grams[0] / 1000, below_kg=None if open_ended else grams[1] / 1000)
 
 
-def _distances(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault]) -> dict[str, float]:
+def _distances(facts: Mapping[str, tuple[Compound, Position]], faults: list[Fault]) -> dict[str, float]:
     """Return the greatest distance in metres by relation."""
     found = {
-        word: _integers(fact, place, faults, [_Range("a distance", 1, 100_000, "mm")])
-        for word, (fact, place) in sorted(facts.items())
+        word: _integers(fact, position, faults, [_Range("a distance", 1, 100_000, "mm")])
+        for word, (fact, position) in sorted(facts.items())
     }
     return {word: values[0] / 1000 for word, values in found.items() if values}
 
 
-def _comparisons(facts: Mapping[str, tuple[Compound, Place]], faults: list[Fault]) -> dict[str, Quantity]:
+def _comparisons(facts: Mapping[str, tuple[Compound, Position]], faults: list[Fault]) -> dict[str, Quantity]:
     """Return the compared quantity by relation."""
     found: dict[str, Quantity] = {}
-    for word, (fact, place) in sorted(facts.items()):
+    for word, (fact, position) in sorted(facts.items()):
         if fact.args[1] == "weight":
             found[word] = "weight"
         else:
-            faults.append(place.fault(f"exceeds {word}: expected weight, found {fact.args[1]}; write weight", 1))
+            faults.append(position.fault(f"exceeds {word}: expected weight, found {fact.args[1]}; write weight", 1))
     return found
 
 
@@ -276,7 +276,7 @@ _GRAMS: Final = _Range("a weight", 0, None, "grams")
 _GRAMS_OR_ANY: Final = _Range("a weight", 0, None, "grams", ", or any for no end")
 
 
-def _integers(fact: Compound, place: Place, faults: list[Fault], ranges: Sequence[_Range]) -> list[int] | None:
+def _integers(fact: Compound, position: Position, faults: list[Fault], ranges: Sequence[_Range]) -> list[int] | None:
     """Return the arguments after the word if each is an integer in its range."""
     good: list[int] = []
     for i, (value, allowed) in enumerate(zip(fact.args[1:], ranges, strict=False), 1):
@@ -284,11 +284,11 @@ def _integers(fact: Compound, place: Place, faults: list[Fault], ranges: Sequenc
             good.append(value)
         else:
             wrong = f"{fact.name} {fact.args[0]}: expected {allowed.expected()}, found {value}"
-            faults.append(place.fault(f"{wrong}; {allowed.nearest(value)}", i))
+            faults.append(position.fault(f"{wrong}; {allowed.nearest(value)}", i))
     return good if len(good) == len(fact.args) - 1 else None
 
 
-def _overlaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, Meaning]) -> list[Fault]:
+def _overlaps(colours: Mapping[str, tuple[Term, Position]], meanings: Mapping[str, Meaning]) -> list[Fault]:
     """Return a warning for every two colours that overlap, at the user's own fact if there is one."""
     volumes = {word: meaning for word, meaning in meanings.items() if isinstance(meaning, HsvVolume)}
     return [
@@ -300,7 +300,7 @@ def _overlaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, 
     ]
 
 
-def _gaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, Meaning]) -> list[Fault]:
+def _gaps(colours: Mapping[str, tuple[Term, Position]], meanings: Mapping[str, Meaning]) -> list[Fault]:
     """Return a warning for every range of hues without a name, at full saturation and value.
 
     A warning stands at the fact of the colour before the gap; a user can close the gap in an own file.
@@ -315,8 +315,8 @@ def _gaps(colours: Mapping[str, tuple[Term, Place]], meanings: Mapping[str, Mean
     end, last = 0.0, ""
     for low, high, word in [*sorted(vivid), (1.0, 1.0, "")]:
         if low > end and (last or word):
-            place = colours[last or word][1]
-            found.append(place.fault(f"warning: no colour for the hues {360 * end:g} to {360 * low:g} degrees"))
+            position = colours[last or word][1]
+            found.append(position.fault(f"warning: no colour for the hues {360 * end:g} to {360 * low:g} degrees"))
         if high > end:
             end, last = high, word or last
     return found

@@ -15,7 +15,7 @@ FALSE_POINTS = (40, 300)  # number of points of a false detection: least, greate
 
 
 def worsen(
-    seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, told: NoiseModel, seed: int, step: int
+    seen: Seen, types: dict[str, ObjectType], noise: NoiseModel, stated: NoiseModel, seed: int, step: int
 ) -> tuple[Detection, ...]:
     """Return the detections of one look after missed detections, type confusions, colour noise and false detections.
 
@@ -25,7 +25,7 @@ def worsen(
         seen: The clean detections, in canonical order, which is also the order of the draws.
         types: Every type; confusions and false detections are among the graspable ones.
         noise: True rates and standard deviations.
-        told: The stated noise, from which the detector computes covariances.
+        stated: The stated noise, from which the detector computes covariances.
         seed: Seed of the run.
         step: Step of the look.
     """
@@ -39,7 +39,9 @@ def worsen(
         for detection, shift in zip(seen.detections, tint, strict=True)
     ]
     found = [detection for detection, keep in zip(worse, kept, strict=True) if keep]
-    found += _false_alarms(seen, names, types, noise.false_per_look, told, stream(seed, step, Purpose.FALSE_ALARM))
+    found += _false_detections(
+        seen, names, types, noise.false_per_look, stated, stream(seed, step, Purpose.FALSE_ALARM)
+    )
     return canonical_order(found + _tables(seen.tables, noise, stream(seed, step, Purpose.TABLES)))
 
 
@@ -69,17 +71,17 @@ def _confused(detection: Detection, names: list[str], right: float, draws: Gener
     return detection.model_copy(update={"type_log_likelihood": likelihood})
 
 
-def _false_alarms(
-    seen: Seen, names: list[str], types: dict[str, ObjectType], rate: float, told: NoiseModel, draws: Generator
+def _false_detections(
+    seen: Seen, names: list[str], types: dict[str, ObjectType], rate: float, stated: NoiseModel, draws: Generator
 ) -> list[Detection]:
     """Return false detections at visible places of the supports, of random type, heading and colour."""
     if not seen.supports or not names:
         return []
-    return [_false_alarm(seen, names, types, told, draws) for _ in range(draws.poisson(rate))]
+    return [_false_detection(seen, names, types, stated, draws) for _ in range(draws.poisson(rate))]
 
 
-def _false_alarm(
-    seen: Seen, names: list[str], types: dict[str, ObjectType], told: NoiseModel, draws: Generator
+def _false_detection(
+    seen: Seen, names: list[str], types: dict[str, ObjectType], stated: NoiseModel, draws: Generator
 ) -> Detection:
     """Return one false detection, as of an object of a random type at a random visible place."""
     places = np.concatenate([support.points for support in seen.supports])
@@ -92,7 +94,7 @@ def _false_alarm(
     red, green, blue = (float(value) for value in draws.random(3))
     return Detection(
         base_T_object=base_T_object,
-        covariance=pose_covariance(fit, base_T_object, seen.camera_base, told),
+        covariance=pose_covariance(fit, base_T_object, seen.camera_base, stated),
         type_log_likelihood={name: likeness(claimed, types[name], distance_m) for name in names},
         rgb=(red, green, blue),
         points=int(draws.integers(*FALSE_POINTS)),

@@ -64,7 +64,7 @@ class PyBulletWorld:
         seed: int,
         recorder: Recorder | None = None,
         images: bool = False,
-        told: NoiseModel | None = None,
+        stated: NoiseModel | None = None,
     ) -> None:
         """Build the world.
 
@@ -77,10 +77,10 @@ class PyBulletWorld:
             seed: Seed of the run.
             recorder: Called with a topic and a protobuf message while the robot moves; `tick` is its time.
             images: Whether pictures are recorded too.
-            told: Stated noise, from which the detector computes covariances; None: the true noise.
+            stated: Stated noise, from which the detector computes covariances; None: the true noise.
         """
         self._types, self._noise, self._seed, self._images = types, noise, seed, images
-        self._told = told or noise
+        self._stated = stated or noise
         self._world = World(types, things, world_T_base, torso, recorder)
         self._executor = Executor(self._world)
         enable_wrist_sensor(self._world, SENSING_HAND)
@@ -168,8 +168,8 @@ class PyBulletWorld:
         error = extrinsic_error(self._noise, stream(self._seed, step, Purpose.EXTRINSICS))
         rgb = camera.exposed(picture.rgb, self._noise.colour_gain)
         points = cloud.cloud_from_depth(depth, rgb, base_T_camera, error)
-        seen = detect(cloud.without_own_body(points, self._limbs(), LIMB_RADIUS_M), self._types, self._told)
-        detections = worsen(seen, self._types, self._noise, self._told, self._seed, step)
+        seen = detect(cloud.without_own_body(points, self._limbs(), LIMB_RADIUS_M), self._types, self._stated)
+        detections = worsen(seen, self._types, self._noise, self._stated, self._seed, step)
         if self._images:
             self._record_images(rgb, depth)
         view = cloud.depth_view(depth, cloud.misplaced(base_T_camera, error))

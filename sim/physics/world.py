@@ -37,7 +37,7 @@ class Placed:
 
     body: int
     kind: ObjectType
-    told: TrueBody
+    true_body: TrueBody
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,16 +75,16 @@ class World:
         self.robot = PR2(self.client)
         self.robot.set_base(world_T_base)
         self.robot.set_joints({TORSO: torso})
-        ordered = sorted(things, key=lambda told: (types[told.type].shape != "table", told.id))
-        self.placed = {told.id: self._load(types[told.type], told) for told in ordered}
+        ordered = sorted(things, key=lambda true_body: (types[true_body.type].shape != "table", true_body.id))
+        self.placed = {true_body.id: self._load(types[true_body.type], true_body) for true_body in ordered}
         self.grasps: dict[Hand, Grasp] = {}
         self.tick = 0
         self._recorder = recorder
         self._names = {index: name for name, index in self.robot.joint.items()}
 
-    def _load(self, kind: ObjectType, told: TrueBody) -> Placed:
-        rgba = (*colorsys.hsv_to_rgb(*told.hsv), 1.0)
-        return Placed(bodies.thing(self.client, kind, told.world_T_object, rgba, told.kg), kind, told)
+    def _load(self, kind: ObjectType, true_body: TrueBody) -> Placed:
+        rgba = (*colorsys.hsv_to_rgb(*true_body.hsv), 1.0)
+        return Placed(bodies.thing(self.client, kind, true_body.world_T_object, rgba, true_body.kg), kind, true_body)
 
     def close(self) -> None:
         """Close the physics client."""
@@ -123,10 +123,10 @@ class World:
         return tuple(
             TrueObject(
                 id=name,
-                type=placed.told.type,
+                type=placed.true_body.type,
                 world_T_object=self.pose(name),
-                hsv=placed.told.hsv,
-                kg=placed.told.kg,
+                hsv=placed.true_body.hsv,
+                kg=placed.true_body.kg,
                 on=None if name in holder else self._support_of(name),
                 in_hand=holder.get(name),
             )

@@ -1,7 +1,7 @@
-"""What a scenario file may say: frozen models, no unknown key, numbers that are numbers.
+"""The models of scenario files: frozen, without unknown keys, NaN or infinity.
 
 A scenario has two readers. `world`, `noise` and `disturbances` are the truth, for `skolem.sim` alone; `belief`,
-`priors` and `model` are what the robot is told. `expect` is read by tests and reports, never by the robot.
+`priors` and `model` make the robot's prior. `expect` is read by tests and reports, never by the robot.
 """
 
 from typing import Annotated, Literal
@@ -36,30 +36,30 @@ class Model(BaseModel):
 
 
 class LogNormal(Model):
-    """A weight nobody has measured."""
+    """The prior of a weight that is not measured yet."""
 
     median_kg: Positive
     sigma: Annotated[Positive, Field(description="sd of ln(kg)")]
 
 
 class ColourPrior(Model):
-    """A colour nobody has seen."""
+    """The prior of a colour that is not seen yet."""
 
     hsv: Hsv
     sd: tuple[Positive, Positive, Positive]
 
 
 class Priors(Model):
-    """What the robot believes of an arbitrary object."""
+    """The robot's prior of an arbitrary object."""
 
     log_weight: LogNormal
     colour: ColourPrior
     type: Annotated[
         dict[str, Fraction] | None,
-        Field(description="probability of each type of what can be grasped; they sum to 1; null: all alike"),
+        Field(description="probability of each graspable type; they sum to 1; null: all alike"),
     ] = None
     objects_per_region: Annotated[
-        NonNegative, Field(description="how many objects nobody has told of are expected in a region")
+        NonNegative, Field(description="expected number of objects in a region that are not in the prior")
     ] = 0.5
 
 
@@ -70,14 +70,14 @@ class DepthNoise(Model):
 
 
 class RigidNoise(Model):
-    """Independent errors along each axis and about it."""
+    """Independent errors along each axis and about each axis."""
 
     sd_m: NonNegative
     sd_rad: NonNegative
 
 
 class DetectionNoise(Model):
-    """What the detector misses, invents and confuses."""
+    """Missed detections, false detections and confusions of types."""
 
     found: Annotated[Fraction, Field(description="probability that a visible object is detected")]
     false_per_look: Annotated[NonNegative, Field(description="expected number of detections without an object")]
@@ -108,7 +108,7 @@ class WristNoise(Model):
 
 
 class Noise(Model):
-    """How sensors and motion err."""
+    """Errors of sensors and motion."""
 
     depth: DepthNoise
     extrinsics: Annotated[RigidNoise, Field(description="of the camera's frame, drawn once per look")]
@@ -120,7 +120,7 @@ class Noise(Model):
     place: Annotated[RigidNoise, Field(description=f"how far an object moves when it is released; {BY_CONTACT}")]
 
     def message(self) -> NoiseModel:
-        """Return the same numbers as they cross borders."""
+        """Return the same numbers as a message."""
         return NoiseModel(
             depth_sd_scale=self.depth.sd_scale,
             extrinsics_sd_m=self.extrinsics.sd_m,
@@ -147,7 +147,7 @@ EXACT = Noise(
     depth=DepthNoise(sd_scale=0.0),
     extrinsics=RigidNoise(sd_m=0.0, sd_rad=0.0),
     detection=DetectionNoise(found=1.0, false_per_look=0.0, type_right=1.0),
-    colour=ColourNoise(gain=0.83, sd_rgb=0.0),  # shading is no error: light falls on things as it does
+    colour=ColourNoise(gain=0.83, sd_rgb=0.0),  # shading is no error of the camera, so it stays
     odometry=OdometryNoise(sd_m=0.0, sd_per_m=0.0, sd_rad=0.0, sd_per_rad=0.0),
     wrist=WristNoise(sd_newton=0.0, drift_newton=0.0),
     grasp=RigidNoise(sd_m=0.0, sd_rad=0.0),
@@ -156,7 +156,7 @@ EXACT = Noise(
 
 
 class BasePose(Model):
-    """Where the base stands in the world."""
+    """The pose of the base in the world."""
 
     x: Number
     y: Number
@@ -164,7 +164,7 @@ class BasePose(Model):
 
 
 class BaseSd(Model):
-    """How well the robot knows that."""
+    """The standard deviations of the believed pose of the base."""
 
     xy_m: Annotated[NonNegative, Field(description="along each axis")]
     theta_rad: NonNegative
@@ -179,7 +179,7 @@ class Robot(Model):
 
 
 class WorldObject(Model):
-    """One thing that is really there."""
+    """One true object."""
 
     id: Name
     type: str
@@ -190,7 +190,7 @@ class WorldObject(Model):
 
 
 class Disturbance(Model):
-    """Somebody moves a thing while the robot does not look."""
+    """A move of an object from outside, unseen by the robot."""
 
     before_step: Annotated[Count, Field(description="just before the robot executes its action of this number")]
     id: Name
@@ -199,14 +199,14 @@ class Disturbance(Model):
 
 
 class BeliefDefaults(Model):
-    """How well objects are known unless they say otherwise."""
+    """The default standard deviations of the places of objects."""
 
     sd_xy_m: NonNegative
     sd_theta_rad: NonNegative
 
 
 class BelievedObject(Model):
-    """One object the robot is told of, either `like: world` or `at` a place."""
+    """One object of the prior, either `like: world` or `at` a place."""
 
     id: Name
     type: Annotated[dict[str, Fraction], Field(description="probability of each possible type; they sum to 1")]
@@ -222,21 +222,21 @@ class BelievedObject(Model):
 
 
 class BelievedRegion(Model):
-    """A region the robot may search: the air above the top of a support it is told of."""
+    """A region that the robot may search: the air above the top of a support in the prior."""
 
     id: RegionName
-    on: Annotated[Name, Field(description="a table the robot is told of")]
+    on: Annotated[Name, Field(description="a table in the prior")]
     height_m: Positive
     objects: Annotated[
         NonNegative | None,
         Field(
-            description="how many objects the robot is not told of it expects there; null: priors.objects_per_region"
+            description="expected number of objects there that are not in the prior; null: priors.objects_per_region"
         ),
     ] = None
 
 
 class InitialBelief(Model):
-    """What the robot is told before it starts; the names are rigid designators."""
+    """The robot's prior of objects and regions; the names are rigid designators."""
 
     defaults: BeliefDefaults
     objects: tuple[BelievedObject, ...]
@@ -244,7 +244,7 @@ class InitialBelief(Model):
 
 
 class Witness(Model):
-    """A thing that a variable of the goal may stand for, with what shows that the goal can be achieved with it."""
+    """An object for a variable of the goal, with the evidence that the goal can be achieved with it."""
 
     variable: Annotated[str, Field(description="of the goal")]
     thing: Annotated[Name, Field(description="an object of the world")]
@@ -265,9 +265,9 @@ class Certificate(Model):
     impossible: Annotated[
         Literal["nothing_fits", "nothing_reached", "no_room"] | None, Field(description="why there are no witnesses")
     ] = None
-    off_m: Annotated[NonNegative, Field(description="how far beside the truth the told places are")] = 0.0
+    off_m: Annotated[NonNegative, Field(description="distance of the prior's places from the true ones, metres")] = 0.0
     noise: Annotated[Positive, Field(description="times the usual deviations of sensors and wheels")] = 1.0
-    noise_told: Annotated[bool, Field(description="whether the robot is told so")] = True
+    noise_told: Annotated[bool, Field(description="whether the robot knows that factor")] = True
 
 
 class Expect(Model):
@@ -281,7 +281,7 @@ class Expect(Model):
 
 
 class Scenario(Model):
-    """A goal, a true world, and what the robot believes of it."""
+    """A goal, a true world, and the robot's prior."""
 
     skolem: Annotated[Literal[1], Field(description="version of this format")]
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=64)]
@@ -295,14 +295,14 @@ class Scenario(Model):
         Annotated[Literal["none"], Tag("none")] | Annotated[Noise, Tag("noise")],
         Discriminator(lambda value: "noise" if isinstance(value, dict | Noise) else "none"),
         Field(
-            description="how sensors and motion truly err; none: not at all, and the robot is told exactly where it is "
-            "and where all is that it is told of `like: world`"
+            description="true errors of sensors and motion; none: no errors, and the prior has the exact places of the "
+            "robot and of all objects `like: world`"
         ),
     ]
     model: Annotated[
         Annotated[Literal["same"], Tag("same")] | Annotated[Noise, Tag("noise")],
         Discriminator(lambda value: "noise" if isinstance(value, dict | Noise) else "same"),
-        Field(description="what the robot believes of the noise"),
+        Field(description="the noise that the robot believes"),
     ] = "same"
     robot: Robot
     world: tuple[WorldObject, ...]
@@ -312,5 +312,5 @@ class Scenario(Model):
 
     @property
     def true_noise(self) -> Noise:
-        """How sensors and motion truly err."""
+        """The true errors of sensors and motion."""
         return EXACT if self.noise == "none" else self.noise

@@ -147,16 +147,16 @@ def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Pri
     draw = Generator(PCG64(SeedSequence([seed, 0, PRIOR_STREAM]))).standard_normal
     base, sd = scenario.robot.base, scenario.robot.base_sd
     base_sd = (0.0, 0.0) if scenario.noise == "none" else (sd.xy_m, sd.theta_rad)
-    told: dict[str, PriorObject] = {}
+    known: dict[str, PriorObject] = {}
     world_T_base = _perturbed((base.x, base.y, base.theta), *base_sd, draw(3).tolist())
     for item in scenario.belief.objects:
-        told[item.id] = _told(item, scenario, types, told, draw(3).tolist())
+        known[item.id] = _prior_object(item, scenario, types, known, draw(3).tolist())
     return Prior(
         world_T_base=world_T_base,
         base_sd_xy_m=base_sd[0],
         base_sd_theta_rad=base_sd[1],
         robot=robot,
-        objects=tuple(told.values()),
+        objects=tuple(known.values()),
         regions=tuple(_region(item, scenario) for item in scenario.belief.regions),
         types=_sorted(types),
         type=_sorted(scenario.priors.type or {}),
@@ -176,8 +176,8 @@ def believed_noise(scenario: Scenario) -> NoiseModel:
     return (scenario.true_noise if scenario.model == "same" else scenario.model).message()
 
 
-def _told(
-    item: BelievedObject, scenario: Scenario, types: Types, told: Mapping[str, PriorObject], noise: list[float]
+def _prior_object(
+    item: BelievedObject, scenario: Scenario, types: Types, known: Mapping[str, PriorObject], noise: list[float]
 ) -> PriorObject:
     """Return the prior of one object, given those of the objects before it."""
     defaults = scenario.belief.defaults
@@ -194,7 +194,7 @@ def _told(
     elif item.on is None:
         (x, y, theta), z, support = item.at, 0.0, None
     else:
-        under = told[item.on]
+        under = known[item.on]
         x, y, theta = compose2((*under.world_T_object[:2], under.world_T_object[3]), item.at)
         z, support = types[likeliest(under.type)].size_m[2], item.on
     return PriorObject(

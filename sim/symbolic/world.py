@@ -85,7 +85,7 @@ class SymbolicWorld:
         torso: float,
         noise: NoiseModel,
         seed: int,
-        told: NoiseModel | None = None,
+        stated: NoiseModel | None = None,
     ) -> None:
         """Build the world.
 
@@ -96,11 +96,11 @@ class SymbolicWorld:
             torso: Torso lift [m].
             noise: True noise of sensors and wheels.
             seed: Seed of the run.
-            told: Stated noise, from which the detector computes covariances; None: the true noise.
+            stated: Stated noise, from which the detector computes covariances; None: the true noise.
         """
         self._bodies = {body.id: body for body in things}
         self._types = dict(types)
-        self._noise, self._told = noise, told or noise
+        self._noise, self._stated = noise, stated or noise
         self._world_T_base = world_T_base
         self._robot = RobotState(torso=torso, right_arm=CARRY["right"], left_arm=CARRY["left"])
         self._seed = seed
@@ -313,7 +313,7 @@ class SymbolicWorld:
         ]
         supports = tuple(top for top in tops if len(top.points))
         report = Seen(canonical_order(seen), supports, frame.origin, canonical_order(edges))
-        detections = worsen(report, self._types, self._noise, self._told, self._seed, step)
+        detections = worsen(report, self._types, self._noise, self._stated, self._seed, step)
         view = depth_view(frame, solids, misplaced(frame, error))
         return Observation(step=step, kind="look", detections=detections, view=view)
 
@@ -327,7 +327,7 @@ class SymbolicWorld:
         distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))
         return Detection(
             base_T_object=base_T_object,
-            covariance=pose_covariance(fit, base_T_object, camera_base, self._told),
+            covariance=pose_covariance(fit, base_T_object, camera_base, self._stated),
             type_log_likelihood={
                 name: likeness(solid.type, kind, distance)
                 for name, kind in sorted(self._types.items())
@@ -346,7 +346,7 @@ class SymbolicWorld:
         distance = float(np.linalg.norm(np.array([x, y, z]) - camera_base))
         return Detection(
             base_T_object=base_T_table,
-            covariance=pose_covariance(fit, (x, y, z, base_T_table[3]), camera_base, self._told),
+            covariance=pose_covariance(fit, (x, y, z, base_T_table[3]), camera_base, self._stated),
             type_log_likelihood={
                 name: likeness(solid.type, kind, distance)
                 for name, kind in sorted(self._types.items())

@@ -112,7 +112,7 @@ def test_only_a_search_that_stopped_at_its_limit_is_said_to_have() -> None:
 @pytest.mark.parametrize(
     ("conjunct", "said"),
     [
-        ("B(Near(sodaE, sodaB), 0.9)", "Near is told of described objects only"),
+        ("B(Near(sodaE, sodaB), 0.9)", "Near is for descriptions only"),
         ("B(HeavierThan(sodaE, 100), 0.9)", "expected an object, found the number 100"),
         ("B(Den(lambda x. Near(x, 5), sodaE), 0.9)", "Near is between objects, found the number 5"),
         ("B(Den(lambda x. HeavierThan(x, sodaB), sodaE), 0.9)", "compares with a number, found sodaB"),
