@@ -163,7 +163,7 @@ def read_mutexes(rulebook: Rulebook) -> Mutexes:
 def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | None:
     """Return the object that makes the goal hold in a belief, "" if the goal names none; None if it does not hold.
 
-    No geometry is needed: a goal speaks of the world, not of what can be done.
+    No geometry is needed: a goal is about the world, not about what the robot can do.
     """
     posed = PosedGoal(goal, rulebook, Denotations(goal.expressions, rulebook), belief, None, Mutexes([]))
     root = posed.achieved()

@@ -144,9 +144,9 @@ def search(
     rules: a step may also achieve a fluent that it was not offered for, at any cost.) So the first node whose fluents
     all hold is the cheapest of the plans that were searched.
 
-    The bound. A plan that was not searched has, seen from the goal, a first step that achieves again what holds. If the
-    node at which it does so was expanded, the step was passed over there, and the plan costs at least as much as this
-    step and all after it. If that node was still in the queue, all after it cost at least as much as the plan found.
+    The bound. A plan that was not searched has, seen from the goal, a first step that achieves only fluents that hold.
+    If the node of that step was expanded, the step was skipped there, and the plan costs at least as much as this step
+    and all after it. If that node was still in the queue, the steps after it cost at least as much as the plan found.
     """
     serial = itertools.count()
     priced_out = False

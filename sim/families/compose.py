@@ -14,7 +14,7 @@ from skolem.sim.families.ranges import FAMILIES, Variant
 from skolem.sim.families.reaching import Floor
 from skolem.sim.families.room import tables
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Move, Thing, Told, World
+from skolem.sim.families.world import Move, PriorThing, Thing, World
 
 MOST_ATTEMPTS = 1000
 MOVES_BEFORE = (2, 14)  # least and greatest action before which an object is moved
@@ -89,7 +89,7 @@ class _Drawing:
             order = [names[-1], *names[:2]]  # the middle of the block, and the two tables beside
         source, target, *others = order
         standing.put(source, target, others)
-        self._tell(standing.shares)
+        self._set_prior(standing.shares)
         self._move(target)
         hopeless = self._variant.impossible == "nothing_reached"
         reachable = [thing for thing in world.things if hopeless or self._is_reachable(thing)]
@@ -97,14 +97,14 @@ class _Drawing:
         asked(self._draws[Stream.GOAL], world, self._words, self._about(reachable, source), targets)
         return world
 
-    def _tell(self, told_types: Mapping[str, dict[str, float] | None]) -> None:
+    def _set_prior(self, types: Mapping[str, dict[str, float] | None]) -> None:
         """Set the prior: the tables, and the objects that are no strangers."""
         draw, variant = self._draws[Stream.TOLD], self._variant
-        self._world.told = [
-            Told(table.id, {"table": 1.0}, sd_xy_m=0.005, sd_theta_rad=0.01) for table in self._world.tables
+        self._world.prior = [
+            PriorThing(table.id, {"table": 1.0}, sd_xy_m=0.005, sd_theta_rad=0.01) for table in self._world.tables
         ]
         for thing in self._world.things:
-            shares = told_types[thing.id]
+            shares = types[thing.id]
             if shares is None:
                 continue
             if variant.off_m > 0.0 and thing.type != "crate":
@@ -112,10 +112,10 @@ class _Drawing:
                 x, y, theta = thing.at
                 x, y = x + variant.off_m * math.cos(direction), y + variant.off_m * math.sin(direction)
                 at = (round(x, 4), round(y, 4), theta)
-                self._world.told.append(Told(thing.id, shares, at, thing.on, variant.sd_xy_m))
+                self._world.prior.append(PriorThing(thing.id, shares, at, thing.on, variant.sd_xy_m))
             else:
                 sd = 0.01 if thing.type == "crate" else variant.sd_xy_m
-                self._world.told.append(Told(thing.id, shares, sd_xy_m=sd))
+                self._world.prior.append(PriorThing(thing.id, shares, sd_xy_m=sd))
 
     def _move(self, target: str) -> None:
         """Set the moves of objects; no object gets onto the target or into another one's place."""

@@ -30,7 +30,7 @@ class Thing:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class PriorThing:
     """The prior of one object: its place is drawn around the truth by the run or, with `at`, is wrong."""
 
     id: str
@@ -61,7 +61,7 @@ class World:
         variant: The ranges it is drawn from.
         tables: Tables on the floor, in order.
         things: Objects on the tables, in order.
-        told: Priors of all objects, tables first.
+        prior: Priors of all objects, tables first.
         expected: Prior mean number of strangers per table.
         moves: The moves in order of time.
         clauses: The clauses of the goal.
@@ -72,7 +72,7 @@ class World:
     variant: Variant
     tables: list[Thing] = field(default_factory=list)
     things: list[Thing] = field(default_factory=list)
-    told: list[Told] = field(default_factory=list)
+    prior: list[PriorThing] = field(default_factory=list)
     expected: dict[str, float] = field(default_factory=dict)
     moves: list[Move] = field(default_factory=list)
     clauses: tuple[Clause, ...] = ()

@@ -8,7 +8,7 @@ from skolem.sim.families.compose import Drawn, drawn
 from skolem.sim.families.goals import goal_text
 from skolem.sim.families.ranges import Variant
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Thing, Told
+from skolem.sim.families.world import PriorThing, Thing
 
 NOISE: Mapping[str, Mapping[str, float]] = {  # of the simulated sensors and wheels
     "depth": {"sd_scale": 1.0},
@@ -35,7 +35,7 @@ def scenario_text(family: str, seed: int, words: Words, bound: float | None = No
         bound: Bound of the denotations, instead of a drawn one.
     """
     made = drawn(family, seed, words, bound)
-    return "\n".join([*_head(made), *_told_in_general(made), *_truth(made), *_belief(made), *_expect(made), ""])
+    return "\n".join([*_head(made), *_prior_in_general(made), *_truth(made), *_belief(made), *_expect(made), ""])
 
 
 def _head(made: Drawn) -> Iterator[str]:
@@ -58,7 +58,7 @@ def _head(made: Drawn) -> Iterator[str]:
     yield ""
 
 
-def _told_in_general(made: Drawn) -> Iterator[str]:
+def _prior_in_general(made: Drawn) -> Iterator[str]:
     variant = made.world.variant
     hue, sd = PRIOR_HUE if variant.prior_hue is None else variant.prior_hue
     wrong = variant.prior_median != 1.0
@@ -101,9 +101,9 @@ def _truth(made: Drawn) -> Iterator[str]:
     yield "  torso_m: 0.20"
     yield ""
     yield _said("world:", "the truth: only the simulator reads it")
-    told = {each.id for each in world.told}
+    known = {each.id for each in world.prior}
     for thing in [*world.tables, *world.things]:
-        yield f"  - {_thing(thing)}" + ("" if thing.id in told else "  # nobody told of it")
+        yield f"  - {_thing(thing)}" + ("" if thing.id in known else "  # nobody told of it")
     if world.moves:
         yield ""
         yield _said("disturbances:", "somebody moves things while the robot does not look")
@@ -124,9 +124,9 @@ def _belief(made: Drawn) -> Iterator[str]:
     world = made.world
     yield _said("belief:", "what the robot is told")
     yield "  defaults: {sd_xy_m: 0.03, sd_theta_rad: 0.10}"
-    yield "  objects:" + ("" if world.told else " []")
-    for told in world.told:
-        yield f"    - {_told(told)}" + _wrong(told, world.variant)
+    yield "  objects:" + ("" if world.prior else " []")
+    for item in world.prior:
+        yield f"    - {_prior(item)}" + _wrong(item, world.variant)
     regions = [(name, expected) for name, expected in world.expected.items()]
     if regions:
         yield "  regions:  # how many objects that nobody told of are expected above each table"
@@ -135,16 +135,16 @@ def _belief(made: Drawn) -> Iterator[str]:
     yield ""
 
 
-def _told(told: Told) -> str:
-    parts = [f"id: {told.id}", f"type: {_shares(told.types)}"]
-    parts += ["like: world"] if told.at is None else [f"on: {told.on}", f"at: {_list(told.at)}"]
-    parts += [] if told.sd_xy_m is None else [f"sd_xy_m: {_n(told.sd_xy_m)}"]
-    parts += [] if told.sd_theta_rad is None else [f"sd_theta_rad: {_n(told.sd_theta_rad)}"]
+def _prior(item: PriorThing) -> str:
+    parts = [f"id: {item.id}", f"type: {_shares(item.types)}"]
+    parts += ["like: world"] if item.at is None else [f"on: {item.on}", f"at: {_list(item.at)}"]
+    parts += [] if item.sd_xy_m is None else [f"sd_xy_m: {_n(item.sd_xy_m)}"]
+    parts += [] if item.sd_theta_rad is None else [f"sd_theta_rad: {_n(item.sd_theta_rad)}"]
     return f"{{{', '.join(parts)}}}"
 
 
-def _wrong(told: Told, variant: Variant) -> str:
-    return "" if told.at is None else f"  # wrong by {_n(variant.off_m)} m"
+def _wrong(item: PriorThing, variant: Variant) -> str:
+    return "" if item.at is None else f"  # wrong by {_n(variant.off_m)} m"
 
 
 def _expect(made: Drawn) -> Iterator[str]:

@@ -33,7 +33,7 @@ CLEARABLE = ("look", "look_region", "pick")
 
 
 class PlanningWorld:
-    """Answers whether an activity can be done from here, from where it can be done, and what blocks it.
+    """Answers whether an activity can be done from here, from where it can be done, and which objects block it.
 
     Attributes:
         robot_sha256: Identity of the robot model.

@@ -153,10 +153,10 @@ def test_types_are_drawn_from_what_is_told() -> None:
     for seed in MANY:
         world = drawn("clutter", seed, words()).world
         kinds = {thing.id: thing.type for thing in world.things}
-        for told in world.told[len(world.tables) :]:
-            share = max(told.types.values())
-            kind = max(told.types, key=lambda word: told.types[word])
-            surplus += (kinds[told.id] == kind) - share
+        for item in world.prior[len(world.tables) :]:
+            share = max(item.types.values())
+            kind = max(item.types, key=lambda word: item.types[word])
+            surplus += (kinds[item.id] == kind) - share
             variance += share * (1.0 - share)
     assert variance > 20.0
     assert abs(surplus) <= Z * math.sqrt(variance)
@@ -166,8 +166,8 @@ def test_as_many_strangers_stand_on_tables_as_the_robot_is_told_to_expect() -> N
     surplus, expected = 0.0, 0.0
     for seed in MANY:
         world = drawn("three", seed, words()).world
-        told = {told.id for told in world.told}
-        surplus += sum(thing.id not in told for thing in world.things)
+        known = {item.id for item in world.prior}
+        surplus += sum(thing.id not in known for thing in world.things)
         expected += sum(world.expected.values())
     assert expected > 30.0
     assert abs(surplus - expected) <= Z * math.sqrt(expected)
