@@ -1,4 +1,4 @@
-"""Why this action: the plans on the stack, and in each the rules that lead from its goal down to the chosen step."""
+"""Why this action: the plans on the stack, each with the rules that lead from its goal down to the chosen step."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,18 +13,18 @@ from skolem.traces.messages import RememberedStep
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A step, what it is taken for, and who needs that.
+    """A step with the fluent that it achieves, and the step that needs this fluent.
 
     Attributes:
         op: The step.
-        level: How detailed it is, of `concrete` levels.
+        level: Its level, up to `concrete`.
         concrete: The level at which it can be carried out.
-        achieves: The fluent it is taken for.
-        rule: The rule by which it achieves that, `look.lp:19`; empty if the rules do not derive it in this belief.
+        achieves: The fluent that it achieves.
+        rule: The rule by which it does so, `look.lp:19`; empty if the rules do not derive it in this belief.
         needed_by: The step that needs the fluent; empty if the plan's goal does.
-        need_rule: The rule by which it is needed; empty likewise.
+        need_rule: The rule by which that step needs it; empty in the same case.
         costs: -ln p in micro-nats, by reason, with the rule.
-        answers: What the rules asked of the belief on the way, with the answers.
+        answers: The questions of the rules to the belief, with the answers.
         rules: Every rule of the derivation, by its place.
     """
 
@@ -46,11 +46,11 @@ class LayerView:
 
     Attributes:
         made: The decision at which it was made.
-        within: At most this many times the cost of the best plan; 1: it is the best; None: no bound is known.
-        goal: What it is to make true.
-        steps: In execution order.
-        chosen: Which of them is to be taken.
-        chain: From the chosen step up to the goal.
+        within: Bound on its cost as a multiple of the best plan's cost; 1: it is the best; None: no bound is known.
+        goal: The subgoal of the plan.
+        steps: Its steps, in execution order.
+        chosen: Index of the step to take.
+        chain: The links from the chosen step up to the goal.
     """
 
     made: int
@@ -62,19 +62,19 @@ class LayerView:
 
 
 class Rules:
-    """Derivations in the beliefs in which plans were made."""
+    """The derivations of the rules in the belief in which a plan was made."""
 
     def __init__(self) -> None:
-        """Know none yet."""
+        """Start without a belief."""
         self._known: dict[tuple[int, Term], Derivation] = {}
         self._insight: Insight | None = None
 
     def enter(self, insight: Insight) -> None:
-        """Take derivations in this belief from now on."""
+        """Use this belief from now on."""
         self._insight = insight
 
     def of(self, fluent: Term) -> Derivation:
-        """Return what the rules derive when asked for a fluent, in the present belief."""
+        """Return the derivation of the rules for a fluent, in the present belief."""
         assert self._insight is not None, "a belief is entered first"
         key = (self._insight.step, fluent)
         if key not in self._known:
@@ -89,7 +89,7 @@ def view(layer: Layer, chosen: int, made: int, within: float | None, rules: Rule
 
 
 def _chain(layer: Layer, start: int, rules: Rules) -> Sequence[Link]:
-    """Return the links from a step to the goal of its plan: what it makes true, who introduced that, and so on."""
+    """Return the links from a step to the goal of its plan: each fluent, the step that needs it, and so on."""
     links: list[Link] = []
     at: int | None = start
     while at is not None and (gained := _gained(layer[at])):
@@ -106,7 +106,7 @@ def _gained(step: RememberedStep) -> list[str]:
 
 
 def _needer(layer: Layer, at: int, fluent: str) -> int | None:
-    """Return the next step that brought the fluent in as its precondition; None if the goal of the plan did."""
+    """Return the next step that has the fluent as a precondition; None if the plan's goal has it."""
     later = range(at + 1, len(layer))
     return next((k for k in later if fluent in layer[k].preimage and fluent not in layer[k].subgoal), None)
 
@@ -132,7 +132,7 @@ def _link(layer: Layer, at: int, fluent: str, needer: int | None, rules: Rules) 
 
 
 def _results(step: RememberedStep, fluent: str, asked: Sequence[str], rules: Rules) -> list[Proof]:
-    """Return the derivations by which a step gives a fluent, when the rules are asked for some fluents."""
+    """Return the derivations by which a step achieves a fluent, if the rules are asked for the fluents `asked`."""
     wanted = parse_term(fluent)
     return [proof for proof in _of_step(step, "result", asked, rules) if entails(_argument(proof, 1), wanted)]
 
@@ -144,7 +144,7 @@ def _needs(step: RememberedStep, fluent: str, rules: Rules) -> list[Proof]:
 
 
 def _of_step(step: RememberedStep, part: str, asked: Sequence[str], rules: Rules) -> list[Proof]:
-    """Return the derivations of all atoms of a kind about a step, each once."""
+    """Return the derivations of all atoms of one kind about a step, each once."""
     instance, arity = parse_term(step.instance), 2 if part == "result" else 3
     derivations = [rules.of(parse_term(fluent)) for fluent in dict.fromkeys(asked)]
     found = {a: d.proof(a) for d in reversed(derivations) for a in d.atoms(part, arity) if a.args[0] == instance}

@@ -1,4 +1,4 @@
-"""Why plans were dropped: which fluents of which pre-images became false, and what was seen that made them so."""
+"""Why plans were dropped: the fluents of pre-images that became false, and the observation that made them false."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -8,18 +8,18 @@ from skolem.reasoner.terms import parse_term
 from skolem.tools.explain.insight import Course, Insight, Truth, mentioned, truth
 from skolem.traces.messages import Belief, ObjectBelief, Plan, PlanStep
 
-MOVED_M = 0.02  # less is not worth telling
-NOTABLE = 0.02  # change of a probability
+MOVED_M = 0.02  # smaller moves are not shown
+NOTABLE = 0.02  # smaller changes of a probability are not shown
 
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """A step that cannot be taken any more.
+    """A step that can no longer be taken.
 
     Attributes:
         op: The step.
-        fluents: What is false of its pre-image, as it is now.
-        before: P of each before the last action; None where that is not a probability.
+        fluents: The false fluents of its pre-image, in the present belief.
+        before: Probability of each before the last action; None if it is not a probability.
     """
 
     op: str
@@ -32,14 +32,14 @@ class Drop:
     """A plan that was given up.
 
     Attributes:
-        cause: `preimage_lost` or `refused`, as the trace has it.
-        layer: Its layer of the stack; the layers below went with it.
+        cause: `preimage_lost` or `refused`, as recorded.
+        layer: Its layer of the stack; the layers below were dropped with it.
         steps: Its steps; empty if it was made and given up at this decision.
-        lost: The steps, each with what speaks against it.
-        refused: What was found impossible in the believed world.
-        after: The action before; empty at the first decision.
-        sensed: What the sensors said after that.
-        changed: What that changed in the belief about the objects concerned.
+        lost: The steps, each with its false fluents.
+        refused: The steps found impossible in the believed world.
+        after: The action before the decision; empty at the first decision.
+        sensed: The observation after that action.
+        changed: The changes of the belief about the objects concerned.
     """
 
     cause: str
@@ -53,7 +53,7 @@ class Drop:
 
 
 def truths(insight: Insight, stack: Sequence[Sequence[PlanStep]]) -> dict[str, Truth]:
-    """Return how things stand with every fluent of a stack's pre-images."""
+    """Return the truth of every fluent of a stack's pre-images."""
     fluents = {fluent for layer in stack for step in layer for fluent in step.preimage}
     return {fluent: truth(insight, parse_term(fluent)) for fluent in sorted(fluents)}
 
@@ -118,7 +118,7 @@ def _sensed(course: Course) -> str:
 
 
 def _changes(before: Belief | None, after: Belief | None, about: set[str]) -> Iterator[str]:
-    """Yield what changed in the belief about some objects and regions."""
+    """Yield the changes of the belief about some objects and regions."""
     if before is None or after is None:
         return
     for name in after.anchors:

@@ -1,4 +1,4 @@
-"""Why a run ended without success, and what would have to change for it to go on."""
+"""Why a run ended without success, and the changes with which it could go on."""
 
 import math
 from collections.abc import Container, Iterator, Mapping, Sequence
@@ -20,18 +20,18 @@ from skolem.tools.recorded.run import RecordedStep
 from skolem.traces.messages import Decision, Memory, Plan, RunEnd, RunStatus
 
 DOUBTFUL = 0.5
-LOWEST_BOUND = 0.01  # what is believed less than this is not worth asking for
+LOWEST_BOUND = 0.01  # a lower bound on a probability is not worth proposing
 
 
 @dataclass(frozen=True, slots=True)
 class Remedy:
-    """Something that stood in the way, and what would remove it.
+    """An obstacle, and the change that would remove it.
 
     Attributes:
         kind: `goal`, `property`, `threshold`, `expansions`, `plan_changes`, `steps`, `repeats`, `rule`, `geometry`,
             `region` or `failure`.
-        finding: What stood in the way.
-        change: What would have to be otherwise.
+        finding: The obstacle.
+        change: The change that would remove it.
     """
 
     kind: str
@@ -44,9 +44,9 @@ class Ending:
     """The end of a run without success.
 
     Attributes:
-        status: As the trace has it.
-        reason: As the robot put it.
-        remedies: What stood in the way, nearest to the goal first.
+        status: The recorded status.
+        reason: The recorded reason.
+        remedies: The obstacles and their remedies, nearest to the goal first.
     """
 
     status: RunStatus
@@ -61,10 +61,10 @@ def ending(
 
     Args:
         insight: The mind at the last decision.
-        choice: The objects there were to choose.
-        end: How the run ended.
-        after: What was remembered when it had ended; None if the trace cannot tell.
-        refused: What was refused at the last decision.
+        choice: The objects that could be chosen.
+        end: The end of the run.
+        after: The memory after the end; None if the trace cannot tell.
+        refused: The steps that were refused at the last decision.
     """
     found = [*_short_of_the_goal(choice, end), *_properties(insight, choice, end.anchor), *_limits(insight, end)]
     in_vain = _in_vain(insight, after)
@@ -77,7 +77,7 @@ def ending(
 
 
 def _short_of_the_goal(choice: Choice, end: RunEnd) -> Iterator[Remedy]:
-    """The conjuncts of the goal that its closest object falls short of."""
+    """Yield the conjuncts of the goal that are not believed of its closest object."""
     best = next((o for o in choice.options if o.object == end.anchor), None)
     for each in () if best is None else best.fluents:
         if _is_met_otherwise(each, choice):
@@ -89,7 +89,7 @@ def _short_of_the_goal(choice: Choice, end: RunEnd) -> Iterator[Remedy]:
 
 
 def _is_met_otherwise(fluent: Truth, choice: Choice) -> bool:
-    """Return whether another known object is what one of several descriptions means."""
+    """Return whether the fluent asks for one of several descriptions that another known object satisfies."""
     match parse_term(fluent.fluent):
         case Compound("b", (Compound("den", (str(expression), _)), _)) if len(choice.descriptions) > 1:
             return any(option.denotes.get(expression, 0.0) >= (fluent.wanted or 1.0) for option in choice.options)
@@ -97,7 +97,10 @@ def _is_met_otherwise(fluent: Truth, choice: Choice) -> bool:
 
 
 def _properties(insight: Insight, choice: Choice, anchor: str | None) -> Iterator[Remedy]:
-    """How near the nearest objects come to each description, `anchor` if others are as near; what none has besides."""
+    """Yield the property that the nearest object to each description lacks, then other properties that no object has.
+
+    Among equally near objects `anchor` is taken.
+    """
     goal = insight.given.goal
     objects = [option.object for option in choice.options if option.exists is not None]
     objects.sort(key=lambda name: name != anchor)
@@ -125,12 +128,12 @@ def _properties(insight: Insight, choice: Choice, anchor: str | None) -> Iterato
 
 
 def _nearest(insight: Insight, conjuncts: Mapping[str, Mapping[str, float]], scope: str) -> tuple[str, str]:
-    """Return the object that comes nearest to a description, and what says so, with the nearest that a hand can hold.
+    """Return the nearest object to a description, and a sentence on it and on the nearest object that a hand can hold.
 
     Args:
         insight: The mind at the last decision.
-        conjuncts: P of every property that the description turns on, by object.
-        scope: What the objects are.
+        conjuncts: Probability of every property in the description, by object.
+        scope: The objects in words.
     """
     near = {name: nearness(found, name, insight.belief) for name, found in conjuncts.items()}
 
@@ -160,9 +163,9 @@ def _limits(insight: Insight, end: RunEnd) -> Iterator[Remedy]:
 
 
 def _in_vain(insight: Insight, after: Memory | None) -> dict[str, int]:
-    """Return the actions that are not tried again, with how often they did not do what they should.
+    """Return the actions that are not tried again, with the number of their failures.
 
-    The one that was done last is judged at the beginning of the last decision.
+    The last action is judged at the beginning of the last decision.
     """
     before, most = insight.recorded.memory, insight.given.limits.repeats
     if before is None:
@@ -175,7 +178,7 @@ def _in_vain(insight: Insight, after: Memory | None) -> dict[str, int]:
 
 
 def _threshold(insight: Insight) -> Iterator[Remedy]:
-    """The plan that would be found if no plan were too unlikely."""
+    """Yield the plan that would be found if no plan were too unlikely."""
     limits = insight.given.limits
     plans = [f for root in insight.posed.instantiations if (f := planned(insight, root, CAP_MICRONATS)) is not None]
     best = min((found for found in plans if found.steps is not None), key=lambda found: found.cost, default=None)
@@ -189,7 +192,7 @@ def _threshold(insight: Insight) -> Iterator[Remedy]:
 
 
 def _dearest(insight: Insight, steps: Sequence[Step]) -> int:
-    """Return the cost of the dearest plan that refines the first step, down to where geometry would be asked anew."""
+    """Return the highest cost of the plans that refine the first step, as far as no new geometric answer is needed."""
     stack, dearest = PlanStack(), 0
     stack.push(steps)
     most, offers = insight.given.limits.expansions, insight.posed.offers
@@ -210,13 +213,13 @@ def _dearest(insight: Insight, steps: Sequence[Step]) -> int:
 
 
 def _below(p: float) -> float:
-    """Return the next smaller number of two digits, of a p above 0."""
+    """Return a probability above 0, rounded down to two digits."""
     unit = 10.0 ** (math.floor(math.log10(p)) - 1)
     return float(f"{math.floor(p / unit) * unit:.2g}")
 
 
 def failure(found: RecordedStep, end: RunEnd) -> Ending:
-    """Return why a run ended that failed: what failed is all that is known."""
+    """Return the end of a run that failed with an error, which is all that is known."""
     done = "the next action could not be decided" if found.action is None else f"{found.action.op} could not be done"
     finding = f"{done}, at step {found.step}: {end.reason.splitlines()[0] if end.reason else 'no reason is recorded'}"
     change = "the rule or value that is named there; other beliefs may pass by it"
@@ -224,7 +227,7 @@ def failure(found: RecordedStep, end: RunEnd) -> Ending:
 
 
 def _impossible(insight: Insight, end: RunEnd, refused: Sequence[Refusal], in_vain: Container[str]) -> Iterator[Remedy]:
-    """Steps that could not be refined, for rules or prices that stand against it, or not be executed as things are."""
+    """Yield the steps that rules or costs kept from being refined, and those that could not be executed."""
     objections = {each.op: found for each in refused if (found := ruled_out(insight, each))}
     for op, found in sorted(objections.items()):
         finding = f"{op} has no way to be done that the rules do not refuse: {'; '.join(map(str, found))}"
@@ -234,7 +237,7 @@ def _impossible(insight: Insight, end: RunEnd, refused: Sequence[Refusal], in_va
         if op in said.get(UNLIKELY, ""):
             floor = f"limits.min_plan_probability below {insight.given.limits.min_plan_probability:g}"
             yield Remedy("threshold", f"{op} has no way to be done that is likely enough", floor)
-        elif op not in said.get(NOT_FOUND, ""):  # of these limits.expansions is said to stand in the way
+        elif op not in said.get(NOT_FOUND, ""):  # for those, the remedy limits.expansions is yielded elsewhere
             finding = f"{op} was {IMPOSSIBLE}"
             yield Remedy(
                 "geometry", finding, "a way to do it: other things, another arrangement, or a better known one"
@@ -246,7 +249,7 @@ def _impossible(insight: Insight, end: RunEnd, refused: Sequence[Refusal], in_va
 
 
 def _regions(insight: Insight) -> Iterator[Remedy]:
-    """Regions that are not worth a search any more, if the goal could be about something that was not met yet."""
+    """Yield the regions that are no longer worth a search, if the goal may be about an object that is not met yet."""
     if not insight.given.goal.variables:
         return
     regions = insight.belief.regions()

@@ -1,4 +1,4 @@
-"""The parts of an explanation put together, in one pass over the trace."""
+"""The explanation of a decision, put together in one pass over the trace."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -27,16 +27,16 @@ class Explanation:
     """Why one decision was taken.
 
     Attributes:
-        goal: Of the run.
+        goal: The goal of the run.
         step: The decision.
-        action: What was done; empty if the run ended here.
-        choice: Why this object; None if no object was chosen any more.
+        action: The action; empty if the run ended here.
+        choice: Why this object; None if no object was chosen.
         layers: Why this action: every plan on the stack.
         drops: Why plans were dropped.
         ending: Why the run ended; None if it did not end here, or ended well.
-        notes: What could not be told, and why.
-        parts: The decision from which on this version of the product thinks otherwise than the robot did; None if that
-            is not so up to this one.
+        notes: What could not be explained, and why.
+        parts: The first decision at which this version of the product decides differently from the robot; None if it
+            decides alike up to this one.
     """
 
     goal: str
@@ -52,7 +52,7 @@ class Explanation:
 
 @dataclass(slots=True)
 class _Thoughts:
-    """What thinking again has brought to light so far."""
+    """The findings of taking the decisions again, so far."""
 
     choice: Choice | None = None
     before: dict[str, Truth] = field(default_factory=dict)
@@ -82,7 +82,7 @@ def explained(trace: Path, step: int | None) -> Explanation:
         notes.append(f"thought again, it fails {'in the same way' if again else f'with: {str(error).splitlines()[0]}'}")
     if end is not None and end.status == "error":
         thoughts.ending = failure(found, end)
-        # where nothing was decided, no object was chosen and none turned down
+        # without a decision, no object was chosen and none rejected
         thoughts.choice = thoughts.choice if path.made else None
     return Explanation(
         goal=run.start.goal,
@@ -98,10 +98,10 @@ def explained(trace: Path, step: int | None) -> Explanation:
 
 
 def _think(run: RecordedRun, given: Given, path: Course, thoughts: _Thoughts) -> None:
-    """Think the decisions again that led to the one to explain.
+    """Take again the decisions that led to the one to explain.
 
     Raises:
-        InternalError: If the rules fail; what was found until then is kept.
+        InternalError: If the rules fail; earlier findings are kept.
     """
     at, made = path.found.step, path.made
     failed = path.found.end if path.found.end is not None and path.found.end.status != "goal_achieved" else None
@@ -127,7 +127,7 @@ def _think(run: RecordedRun, given: Given, path: Course, thoughts: _Thoughts) ->
 
 
 def _bound(path: Course) -> Iterator[str]:
-    """Yield what the object turned out to be that was not met when the plan was made."""
+    """Yield the known object that the plan's object not met yet turned out to be."""
     if path.made and path.bound is not None and path.bound[1] != path.root:
         step, subgoal = path.bound
         before, after = (
@@ -138,7 +138,7 @@ def _bound(path: Course) -> Iterator[str]:
 
 
 def _achieved(insight: Insight) -> tuple[str, ...]:
-    """Return the reading of the goal that holds; nothing if none does."""
+    """Return the reading of the goal that holds; empty if none does."""
     return tuple(map(str, insight.posed.achieved() or ()))
 
 

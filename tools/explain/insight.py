@@ -1,7 +1,7 @@
-"""Why a recorded robot did what it did: the mind is rebuilt from the trace, and the rules are asked again.
+"""The mind at a recorded decision, rebuilt from the trace to explain it.
 
-Nothing is read off texts: the belief is made anew from what was sensed, the reasoner decides anew, and derivations are
-those of the rules attached to the trace. An explanation is plain data; `explanation_text` puts it into words.
+No recorded text is interpreted: the belief is computed again from the observations, the reasoner decides again, and
+derivations come from the rules attached to the trace. An explanation is plain data; `text` puts it into words.
 """
 
 from collections.abc import Iterable, Iterator
@@ -24,17 +24,17 @@ from skolem.traces.messages import Decision, Memory, Message, Plan, PlanStep, Qu
 from skolem.traces.wording import amounts
 from skolem.traces.wording.recorded import Recorded
 
-PLANNED = ("start", "refine")  # causes of the plans that a search found
+PLANNED = ("start", "refine")  # causes of plans that a search found
 
 
 @dataclass(frozen=True, slots=True)
 class Insight:
-    """A mind at one recorded decision. Good only until the next one is asked for: the belief goes on.
+    """A mind at one recorded decision, valid only until the next one is asked for: the belief then changes.
 
     Attributes:
-        given: What the mind is made of.
+        given: The inputs of the mind.
         recorded: The decision in the trace.
-        mind: The mind; its geometry answers as the trace does.
+        mind: The mind, whose geometry answers from the trace.
         posed: The goal in its belief.
     """
 
@@ -59,12 +59,12 @@ class Insight:
         return self.mind.denotations
 
     def derivation(self, fluent: Term) -> Derivation:
-        """Return all that the rules derive when they are asked for a fluent."""
+        """Return the derivation of the rules for a fluent."""
         queries = Queries(self.posed.situation, self.denotations.alternatives)
         return Derivation(self.given.rulebook, [compound("goal", fluent)], queries)
 
     def stack(self) -> Memory | None:
-        """Return the plan stack with which the decision ends, decided anew; None if the trace cannot tell."""
+        """Decide again, and return the plan stack at the end of the decision; None if the trace cannot tell."""
         if self.recorded.memory is None:
             return None
         self.mind.recall(self.recorded.memory)
@@ -99,19 +99,19 @@ def _unrecorded(topic: str, message: Message) -> None:
 
 @dataclass(slots=True)
 class Course:
-    """What the plan stack went through up to one decision.
+    """The history of the plan stack up to one decision.
 
     Attributes:
         found: The decision.
-        before: The one before it; None at the first.
+        before: The decision before it; None at the first.
         made: For each layer of the stack at its end, the step at which it was planned.
-        within: For each of these, how near the plan was known to be to the best one, as `Decision.within`.
+        within: For each of these layers the bound `Decision.within` of its plan.
         root: The subgoal of the top layer when it was planned; empty if there is none.
-        stack: The plan stack with which the decision began, top first.
-        bound: Where the object not met yet that the top layer was made for turned out to be a known one, and the
-            subgoal since then; None if it did not.
-        plans: What happened to the stack, up to the end of the decision.
-        memories: What was remembered at the beginning of every decision, the next one included, where it is recorded.
+        stack: The plan stack at the beginning of the decision, top first.
+        bound: The step at which the top layer's object not met yet turned out to be a known one, and the subgoal since
+            then; None if it did not.
+        plans: The changes of the stack, up to the end of the decision.
+        memories: The recorded memories at the beginning of every decision, the next one included.
     """
 
     found: RecordedStep
@@ -126,7 +126,7 @@ class Course:
 
 
 def course(run: RecordedRun, step: int | None) -> Course:
-    """Return what led to a decision; of the last one if `step` is None.
+    """Return the history of the plan stack up to a decision, the last one if `step` is None.
 
     Raises:
         InputError: If the run has no such decision.
@@ -165,19 +165,19 @@ def course(run: RecordedRun, step: int | None) -> Course:
     return Course(recorded, before, made, within, root, stack, bound, changes, memories)
 
 
-# ---------------------------------------------------------------- how true something is
+# ---------------------------------------------------------------- the truth of fluents
 
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """How things stand with a fluent.
+    """The truth of a fluent in a belief.
 
     Attributes:
         fluent: The fluent, as a term.
         holds: Whether it holds; None if the trace cannot tell.
-        probability: What is believed of it; None if it is not about a probability.
-        wanted: The bound on that; None likewise.
-        detail: What a Gaussian fluent is measured by, or what else speaks for or against it.
+        probability: Its probability; None if it is not about a probability.
+        wanted: The bound on its probability; None in the same case.
+        detail: The figures of a Gaussian fluent, or another reason for or against it.
     """
 
     fluent: str
@@ -188,7 +188,7 @@ class Truth:
 
 
 def truth(insight: Insight, fluent: Term) -> Truth:
-    """Return how things stand with a fluent in a belief."""
+    """Return the truth of a fluent in a belief."""
     situation = insight.posed.situation
     try:
         holds: bool | None = situation.holds(fluent)
@@ -219,7 +219,7 @@ def _gaussian(insight: Insight, quantity: str, anchor: str) -> str:
 
 
 def _thousandths(values: Iterable[float]) -> list[Recorded]:
-    """Return numbers as terms have them."""
+    """Return numbers in thousandths, as terms hold them."""
     return [Recorded(str(round(1000 * float(value)))) for value in values]
 
 

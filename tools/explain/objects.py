@@ -1,4 +1,4 @@
-"""Why this object: every known anchor beside the one that was chosen, with what speaks for it and what against."""
+"""Why this object: the chosen one and every other known anchor, with the reasons for and against it."""
 
 import itertools
 from dataclasses import dataclass
@@ -13,25 +13,25 @@ from skolem.tools.explain.refusals import Refused
 from skolem.tools.explain.regions import RegionOption, region_options
 from skolem.traces.messages import Decision
 
-MOST_BINDINGS = 10_000  # of several variables, beyond which they are not told apart
+MOST_BINDINGS = 10_000  # with more bindings of several variables, they are not listed one by one
 
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """One object that the goal could be about.
+    """An object that the goal may be about.
 
     Attributes:
         object: Its anchor; `sk(var(o))` for an object that was not met yet.
         chosen: Whether the plan is about it.
-        denotes: P that it is what is meant, by description.
-        exists: P that there is such an object; None for one not met yet.
-        conjuncts: P of each property that the descriptions turn on.
-        fluents: How things stand with each conjunct of the goal, said of this object.
+        denotes: Probability that it is meant, by description.
+        exists: Probability that it exists; None for an object not met yet.
+        conjuncts: Probability of each property in the descriptions.
+        fluents: The truth of each conjunct of the goal for this object.
         plan: The cheapest plan, in execution order; empty if there is none.
-        probability: Of that plan; None if there is none.
+        probability: Probability of that plan; None if there is none.
         rejected: Why it was not chosen; empty if it was.
-        refused: What the search refused first, with the reasons.
-        regions: Of an object not met yet, every region where it may be found; empty for a known one.
+        refused: The first steps that the search refused, with the reasons.
+        regions: Every region where an object not met yet may be found; empty for a known one.
     """
 
     object: str
@@ -53,7 +53,7 @@ class Choice:
 
     Attributes:
         step: The decision at which it was made.
-        descriptions: What the constants e1, e2, .. stand for.
+        descriptions: The descriptions behind the constants e1, e2, ..
         options: The chosen one first, then by the probability of being meant.
     """
 
@@ -67,8 +67,8 @@ def choice(insight: Insight, subgoal: tuple[str, ...], refused: Refused) -> Choi
 
     Args:
         insight: The mind that chose.
-        subgoal: What the plan is to make true, as the trace has it.
-        refused: What it would not plan with.
+        subgoal: The recorded subgoal of the plan.
+        refused: The steps that the mind refused.
     """
     goal = insight.given.goal
     chosen = frozenset(map(parse_term, subgoal))
@@ -82,7 +82,7 @@ def choice(insight: Insight, subgoal: tuple[str, ...], refused: Refused) -> Choi
 
 
 def _cost(insight: Insight, chosen: Subgoal, found: dict[Subgoal, Found | None], refused: Refused) -> int | None:
-    """Return the cost of the plan that was chosen, which does without what was refused; None if none was."""
+    """Return the cost of the chosen plan, which has no refused step; None if none was chosen."""
     plan = found.get(chosen)
     if plan is None or plan.steps is None:
         return None
@@ -93,7 +93,7 @@ def _cost(insight: Insight, chosen: Subgoal, found: dict[Subgoal, Found | None],
 
 
 def _candidates(insight: Insight) -> list[tuple[Term, list[Subgoal]]]:
-    """Return every object with the ways to read the goal as about it."""
+    """Return every object with the readings of the goal that are about it."""
     goal = insight.given.goal
     anchors: tuple[Term, ...] = insight.posed.situation.anchors()
     variables: list[Term] = [compound("var", name) for name in goal.variables]

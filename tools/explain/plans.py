@@ -1,4 +1,4 @@
-"""Plans sought again as the robot sought them: for one reading of the goal, or by way of one region."""
+"""Searches for plans as the robot made them: for one reading of the goal, or through one region."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ def planned(
         insight: The mind that plans.
         root: The reading.
         worst: The most that the plan may cost, micro-nats.
-        refused: What the plan must do without.
+        refused: The steps that the plan must not have.
     """
     try:
         return regress([root], insight.posed.offers, lambda _: 0, refused, insight.given.limits.expansions, worst)
@@ -35,12 +35,12 @@ def planned(
 
 @dataclass(frozen=True, slots=True)
 class Rival:
-    """What a plan that was not chosen is held against.
+    """The chosen plan, with which other plans are compared.
 
     Attributes:
-        chosen: Whether one was chosen.
-        cost: Of that one, micro-nats; None if there is none, or the trace cannot tell.
-        refused: What the robot would not plan with.
+        chosen: Whether a plan was chosen.
+        cost: Its cost, micro-nats; None if there is none, or the trace cannot tell.
+        refused: The steps that the robot refused.
         sought: Whether a plan was sought at this decision.
     """
 

@@ -1,4 +1,4 @@
-"""Steps that the robot refused: which, when, and why."""
+"""The steps that the robot refused, with time and reason."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ class Refusal:
 
     @property
     def op(self) -> str:
-        """The step as people read it."""
+        """The step in words."""
         return title(parse_term(self.called))
 
     def forbids(self, instance: Instance, level: int) -> bool:
@@ -45,8 +45,8 @@ class Objection:
 
     Attributes:
         op: The step.
-        reason: What the rule says.
-        place: Where it stands, `mine.lp:6`.
+        reason: The reason that the rule gives.
+        place: File and line of the rule, `mine.lp:6`.
     """
 
     op: str
@@ -58,15 +58,15 @@ class Objection:
 
 
 class Refused:
-    """What the robot would not plan with at one decision."""
+    """The steps that the robot refused at one decision."""
 
     def __init__(self, plans: Iterable[Plan], step: int, after: Memory | None, most: int) -> None:
-        """Gather it.
+        """Collect the refused steps.
 
         Args:
-            plans: What happened to the stack from the first decision on.
+            plans: The changes of the stack from the first decision on.
             step: The decision.
-            after: What was remembered when it was taken; None if the trace cannot tell.
+            after: The memory after the decision; None if the trace cannot tell.
             most: How often in a row a step may fail, `limits.repeats`.
         """
         self._before = [each for each in refusals(plans) if each.step <= step]
@@ -75,11 +75,11 @@ class Refused:
         self._failures = {name: count for name, count in counts.items() if count >= most}
 
     def forbids(self, instance: Instance, level: int) -> bool:
-        """Return whether the robot would not use a step."""
+        """Return whether the robot refused a step."""
         return str(instance.step) in self._failures or any(each.forbids(instance, level) for each in self.here)
 
     def objection(self, insight: Insight, found: Found) -> str:
-        """Return why a plan was of no use: what of it was refused, when and why; empty if nothing was."""
+        """Return which step of a plan was refused, when and why; empty if none was."""
         step = next((s for s in found.steps or () if self.forbids(s.instance, s.level)), None)
         if step is None:
             return ""
@@ -116,7 +116,7 @@ def chosen_in(plan: Plan | None) -> tuple[PlanStep, ...]:
 
 
 def refusals(plans: Iterable[Plan]) -> Iterator[Refusal]:
-    """Yield what was refused, in order, from what happened to the stack."""
+    """Yield the refused steps, in order, from the changes of the stack."""
     before = None
     for plan in plans:
         if plan.cause == "refused":
@@ -130,9 +130,9 @@ def refusals(plans: Iterable[Plan]) -> Iterator[Refusal]:
 
 
 def ruled_out(insight: Insight, refusal: Refusal) -> tuple[Objection, ...]:
-    """Return the rules that leave no plan that refines a step; nothing if it is not for rules that there is none.
+    """Return the rules that keep a step from being refined; empty if the cause is no rule.
 
-    Where there would be one without a single reason, only the rules with such reasons are returned.
+    If the removal of a single reason would allow a plan, only the rules with such reasons are returned.
     """
     if not refusal.chosen or _is_detailed(refusal):
         return ()
@@ -153,13 +153,13 @@ def ruled_out(insight: Insight, refusal: Refusal) -> tuple[Objection, ...]:
 
 
 def _is_detailed(refusal: Refusal) -> bool:
-    """Return whether a step was to be carried out as it was, not to be refined."""
+    """Return whether a step was to be carried out, not refined."""
     step = refusal.chosen[-1]
     return step.primitive and step.level >= step.concrete
 
 
 def _can_be_refined(insight: Insight, refusal: Refusal, offers: Offers) -> bool:
-    """Return whether there is a plan for the subgoal of a step one level deeper, if nothing else is refused."""
+    """Return whether there is a plan, one level deeper, for the subgoal of a step, if no other step is refused."""
     limits = insight.given.limits
     subgoal: Subgoal = frozenset(map(parse_term, refusal.chosen[-1].subgoal))
     worst = nll(limits.min_plan_probability)
@@ -185,11 +185,11 @@ def _place(insight: Insight, step: Term, reason: str, fluent: Term) -> str:
 
 
 class _Heard:
-    """Offers that note what the rules reject, and may pass over one reason for it."""
+    """Offers that note the instances that rules reject, and that can ignore one reason."""
 
     def __init__(self, offers: Offers, without: str | None = None) -> None:
         self._offers, self._without = offers, without
-        self.rejected: dict[tuple[Term, str], Term] = {}  # (step, reason) -> a fluent for which it was offered
+        self.rejected: dict[tuple[Term, str], Term] = {}  # (step, reason) -> a fluent for which the step was offered
 
     @property
     def mutexes(self) -> Mutexes:

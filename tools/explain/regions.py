@@ -1,4 +1,4 @@
-"""Why this region: every region in which an object that was not met yet may be, with what speaks for and against it."""
+"""Why this region: every region that may hold an object not met yet, with the reasons for and against it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ from skolem.tools.explain.plans import Rival, beaten, planned
 
 @dataclass(frozen=True, slots=True)
 class RegionOption:
-    """One region where the object that is meant could be found.
+    """A region where the meant object may be found.
 
     Attributes:
         region: Its anchor.
         chosen: Whether the plan searches it.
-        exists_in: P that something not met yet, of which the description holds, is in it; by description.
-        cost: What its search is charged for that, -ln p in micro-nats; the cheapest of the descriptions.
-        contents: P that all it holds is known.
+        exists_in: Probability that it holds an object not met yet that satisfies the description, by description.
+        cost: Cost of a search for that object, -ln p in micro-nats, for the cheapest description.
+        contents: Probability that its contents are known.
         plan: The cheapest plan that searches it, in execution order; empty if there is none.
-        probability: Of that plan; None if there is none.
+        probability: Probability of that plan; None if there is none.
         rejected: Why it was not chosen; empty if it was.
     """
 
@@ -42,8 +42,8 @@ def region_options(insight: Insight, root: Subgoal, chosen: Found | None, rival:
     Args:
         insight: The mind that chose.
         root: The reading.
-        chosen: The plan that was chosen; None if it is of another reading, or none was.
-        rival: What plans that were not chosen are held against.
+        chosen: The chosen plan; None if it is of another reading, or there is none.
+        rival: The chosen plan, with which other plans are compared.
     """
     wanted = dict(_wanted(root))
     options = [_option(insight, region, root, wanted, chosen, rival) for region in insight.belief.regions()]
@@ -51,7 +51,7 @@ def region_options(insight: Insight, root: Subgoal, chosen: Found | None, rival:
 
 
 def _wanted(root: Subgoal) -> Iterator[tuple[str, int]]:
-    """Yield every description that something not met yet is to be, with the bound on that in micro-nats."""
+    """Yield every description that an object not met yet has to satisfy, with the bound in micro-nats."""
     for fluent in sorted(root, key=str):
         match fluent:
             case Compound("b", (Compound("den", (str(expression), Compound("sk", _))), int(p))):
@@ -92,7 +92,7 @@ def _searched(found: Found) -> set[str]:
 
 
 def _by_way_of(insight: Insight, region: str, root: Subgoal) -> Found | None:
-    """Return the cheapest plan that speaks of no other region, however unlikely it is."""
+    """Return the cheapest plan without another region, even if it is unlikely."""
     others = set(insight.belief.regions()) - {region}
 
     def elsewhere(instance: Instance, _level: int) -> bool:
@@ -103,7 +103,7 @@ def _by_way_of(insight: Insight, region: str, root: Subgoal) -> Found | None:
 
 
 def _not_searchable(p: dict[str, float], contents: float, wanted: dict[str, int]) -> str:
-    """Return why no rule offers a search of a region; empty if one does, as @searchable has it."""
+    """Return why no rule offers a search of a region; empty if one does, by the conditions of @searchable."""
     if max(p.values(), default=0.0) < IMPLAUSIBLE:
         likeliest = max(p.values(), default=0.0)
         return f"implausible: p = {likeliest:.2g} that such a thing is in it, below {IMPLAUSIBLE:g}"

@@ -18,7 +18,7 @@ from skolem.traces.wording.wording import Wording
 
 @dataclass(slots=True)
 class Tree:
-    """A line and what belongs below it."""
+    """A line with the lines below it."""
 
     line: str
     below: list["Tree"] = field(default_factory=list)
@@ -46,7 +46,7 @@ def choice_tree(choice: Choice, words: Wording) -> Tree:
 
 
 def _descriptions(choice: Choice, words: Wording) -> str:
-    """Return what the descriptions of the goal are, for the end of a line."""
+    """Return the descriptions of the goal, for the end of a line."""
     if words.in_words:
         said = [words.described(name) for name in choice.descriptions]
         return f"; the goal means {' and '.join(said)}" if said else ""
@@ -87,7 +87,7 @@ def _region(tree: Tree, option: RegionOption, words: Wording) -> None:
 
 
 def truth_text(found: Truth, words: Wording, before: float | None = None) -> str:
-    """Return how things stand with a fluent in one line."""
+    """Return the truth of a fluent in one line."""
     state = {True: "true", False: "false", None: "not asked in the run"}[found.holds]
     if found.probability is None:
         return f"{words.fluent(found.fluent)}: {state}{'; ' + found.detail if found.detail else ''}"
@@ -109,7 +109,7 @@ def action_tree(action: str, layers: Iterable[LayerView], words: Wording) -> Tre
 
 
 def _link(tree: Tree, link: Link, words: Wording) -> None:
-    """Add a step, what it makes true, who needs that, and at which risk; what the rules asked is shown as recorded."""
+    """Add a step, its fluent, the step that needs it, and the risk; questions of the rules are shown as recorded."""
     rule = link.rule or "bound to an object that the rules did not know when the plan was made"
     step = f"{words.operation(link.op)} (level {link.level} of {link.concrete})"
     node = tree.add(f"{step} makes true: {words.fluent(link.achieves)}  [{rule}]")

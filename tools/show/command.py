@@ -91,7 +91,7 @@ def _show_object(run: Trace, anchor: str, raw: bool, json: bool) -> None:
 
 
 def _words(run: Trace) -> Mapping[str, Meaning]:
-    """Return the run's words; without those that this version cannot read, colours are printed as numbers."""
+    """Return the meanings of the run's words; if this version cannot read them, colours are printed as numbers."""
     from skolem.tools.show.step_text import words_of
 
     try:

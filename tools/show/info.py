@@ -78,7 +78,7 @@ def _fields(run: Trace, found: Account) -> dict[str, object]:
 
 
 def _lines(run: Trace, found: Account) -> Iterator[str]:
-    """Yield what a person wants to know of a trace."""
+    """Yield the summary of a trace as lines."""
     start, end, words = found.start, found.end, wording_of(run)
     if start is not None:
         yield f"goal         {start.goal}"

@@ -1,4 +1,4 @@
-"""One decision of a recorded run in words: what was believed, planned and considered, what was done and sensed."""
+"""One decision of a recorded run in words: belief, plans, candidates, action and observation."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -29,27 +29,27 @@ from skolem.traces.messages.likeliest import likeliest
 from skolem.traces.wording.wording import Wording
 
 TOPICS = ("/belief", "/denotation", "/plan", "/decision", "/action", "/action/result", "/obs", "/run/end")
-CANDIDATES = 12  # shown of one search, cheapest first
+CANDIDATES = 12  # number shown for one search, cheapest first
 HISTORY_COLUMNS = ("step", "exists", *COLUMNS[1:], "after", "identity")
 
 
 @dataclass(slots=True)
 class Moment:
-    """Everything recorded of one decision.
+    """The record of one decision.
 
     Attributes:
-        step: Actions executed before.
+        step: Number of actions executed before.
         tick: Simulated time of the decision.
-        belief: What was believed.
-        identity: Which anchors turned out since the decision before to be of one object, or one to have been two.
-        denotation: Whom the robot took to be meant; None in a trace that does not say.
-        stack: The plan stack with which the decision ended.
+        belief: The belief.
+        identity: Anchors that were merged into one or split into two since the decision before.
+        denotation: The denotation; None if the trace does not record it.
+        stack: The plan stack at the end of the decision.
         plans: Every change of the plan stack.
         decisions: Every search.
-        action: What was done; None if the run ended here.
-        result: What the joints said of it.
-        observation: What the sensors said after it.
-        end: How the run ended, if it ended here.
+        action: The action; None if the run ended here.
+        result: Its result.
+        observation: The observation after it.
+        end: The end of the run, if it ended here.
     """
 
     step: int
@@ -90,7 +90,7 @@ def moment(trace: Trace, step: int) -> Moment:
     """Read one decision.
 
     Raises:
-        InputError: If the run has none of that number.
+        InputError: If the run has no decision of that number.
     """
     found, last, before = Moment(step), -1, 0
     for recorded in trace.messages(*TOPICS):
@@ -112,7 +112,7 @@ def moment(trace: Trace, step: int) -> Moment:
 
 
 def moment_lines(found: Moment, meanings: Mapping[str, Meaning], words: Wording) -> list[str]:
-    """Return a decision as lines of text, colours by the meanings of colour words."""
+    """Return a decision as lines of text; `meanings` give the colour words."""
     assert found.belief is not None, "`moment` has found one"
     lines = [f"step {found.step}, {found.tick / TICKS_PER_SECOND:.2f} s simulated", ""]
     lines += table_lines(COLUMNS, belief_rows(found.belief, meanings))
@@ -129,7 +129,7 @@ def moment_lines(found: Moment, meanings: Mapping[str, Meaning], words: Wording)
 
 
 def identity_text(change: IdentityChange) -> str:
-    """Return in words which anchors turned out to be of one object, or one to have been two."""
+    """Return in words which anchors were merged into one, or which was split into two."""
     if change.kind == "merged":
         return f"{change.other} turned out to be {change.anchor}, whose name goes on"
     return f"{change.anchor} turned out to be two objects"
@@ -152,7 +152,7 @@ def _meant(denotation: Denotation | None, words: Wording) -> Iterator[str]:
 
 
 def _search(decision: Decision, words: Wording) -> Iterator[str]:
-    """Yield what was asked, what was found, and the candidates of the first expansion."""
+    """Yield the subgoal of a search, its result, and the candidates of the first expansion."""
     yield f"a plan was sought for {words.aim(decision.subgoal)}"
     if decision.plan:
         p = math.exp(-decision.cost / 1e6)
@@ -173,7 +173,7 @@ def _search(decision: Decision, words: Wording) -> Iterator[str]:
 
 
 def _outcome(found: Moment, words: Wording) -> Iterator[str]:
-    """Yield what was done and what came of it, or how the run ended."""
+    """Yield the action with its result and observation, or the end of the run."""
     if found.action is not None:
         status = "" if found.result is None else f" -> {found.result.status.replace('_', ' ')}"
         yield f"did: {words.operation(found.action.op)}{status}"
@@ -223,9 +223,9 @@ def moment_fields(found: Moment, meanings: Mapping[str, Meaning]) -> dict[str, o
 
 
 def history(trace: Trace, anchor: str, meanings: Mapping[str, Meaning]) -> list[tuple[str, ...]]:
-    """Return an object's rows, one per decision at which it is believed in, or at which it turned out to be another.
+    """Return an object's rows, one for each decision with it in the belief, or at which it was merged into another.
 
-    A row is the step, the cells, what was done before, and what turned out since the row before about who is who.
+    A row has the step, the cells, the action before, and the merged or split anchors since the row before.
 
     Raises:
         InputError: If no belief of the run has an object of that name.

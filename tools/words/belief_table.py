@@ -1,7 +1,7 @@
 """The belief as the paper prints it: anchor, type d, pose d, color d, weight d, where d is for distribution.
 
-The words low, med and high are of the variance: low is well known. A colour or weight nobody told or measured is called
-prior, and the pose of a held object `in hand`.
+The words low, med and high describe the variance: low is well known. A colour or weight that is neither given in the
+prior nor measured is printed as `prior`, and the pose of a held object as `in hand`.
 """
 
 import math
@@ -12,8 +12,8 @@ from skolem.traces.messages.likeliest import likeliest
 
 COLUMNS = ("anchor", "type d", "pose d", "color d", "weight d")
 POSE_SD_M = (0.01, 0.05)  # below the first a variance is low, above the second high
-COLOUR_SD = (0.05, 0.15)  # of the hue
-WEIGHT_SD = (0.12, 0.40)  # of ln(kg): about that share of the weight
+COLOUR_SD = (0.05, 0.15)  # sd of the hue
+WEIGHT_SD = (0.12, 0.40)  # sd of ln(kg): about that share of the weight
 
 
 def belief_rows(belief: Belief, meanings: Mapping[str, Meaning]) -> list[tuple[str, ...]]:
@@ -33,12 +33,12 @@ def table_lines(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str
 
 
 def size_of(sd: float, bounds: tuple[float, float]) -> str:
-    """Return low, med or high for the variance that belongs to a standard deviation."""
+    """Return low, med or high for the variance with a standard deviation."""
     return "low" if sd < bounds[0] else "med" if sd <= bounds[1] else "high"
 
 
 def colour_name(colour: HsvBelief, meanings: Mapping[str, Meaning]) -> str:
-    """Return the first colour word, by alphabet, whose volume contains the mean, or the mean in degrees and percent."""
+    """Return the first colour word by alphabet that contains the mean; otherwise the mean in degrees and percent."""
     h, s, v = colour.mean
     for word, meaning in sorted(meanings.items()):
         if isinstance(meaning, HsvVolume) and meaning.contains((h % 1.0, s, v)):
@@ -59,7 +59,7 @@ def _type(known: ObjectBelief) -> str:
 def _pose(known: ObjectBelief) -> str:
     if known.in_hand is not None:
         return "in hand"
-    x, y = (round(value, 2) + 0.0 for value in known.world_T_object[:2])  # no minus before a zero
+    x, y = (round(value, 2) + 0.0 for value in known.world_T_object[:2])  # + 0.0: no minus before a zero
     a, b, _, c, _, _ = known.covariance
     largest = (a + c) / 2.0 + math.hypot((a - c) / 2.0, b)
     return f"({x:.2f}, {y:.2f}), {size_of(math.sqrt(max(0.0, largest)), POSE_SD_M)}"

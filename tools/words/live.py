@@ -1,6 +1,6 @@
-"""What a person sees while the robot works: on a terminal a live picture, otherwise a line per executed action.
+"""The progress of a run: a live picture on a terminal, otherwise a line for each executed action.
 
-The picture has the paper's belief table, the plan stack, and how far the run has come.
+The picture has the paper's belief table, the plan stack, and the progress of the run.
 """
 
 import colorsys
@@ -41,25 +41,25 @@ from skolem.traces.wording.of_run import wording
 from skolem.traces.wording.wording import AS_RECORDED, Wording
 
 UNSURE = 0.5  # anchors less likely to exist are shown dim
-WIDEST = 100  # a table is never wider, however wide the terminal is
-NARROW = 80  # columns; on a terminal that is narrower every cell may be wrapped
-LEAST_ROWS = 3  # of the belief table, however low the terminal is
-_FRAME_LINES = 4  # of a table at least: title, heads and the lines around them
+WIDEST = 100  # largest width of a table, also on a wider terminal
+NARROW = 80  # columns; on a narrower terminal every cell may be wrapped
+LEAST_ROWS = 3  # fewest rows of the belief table, also on a terminal with few lines
+_FRAME_LINES = 4  # lines of a table around its rows: title, heads and borders
 
 
 def wording_for(setup: Setup, raw: bool) -> Wording:
-    """Return how to put a run that is to be made into words, or how to show it as it is recorded."""
+    """Return the wording for a new run; with `raw` it shows terms as recorded."""
     vocabulary = setup.rulebook.vocabulary
     return wording(setup.scenario.goal, vocabulary.types, vocabulary.meanings, raw)
 
 
 def drop_text(plans: list[Plan], words: Wording) -> str:
-    """Return why plans were dropped in a turn, or nothing."""
+    """Return why plans were dropped in a turn; empty if none was."""
     return next((words.drop(plan) for plan in plans if plan.cause in DROPPED), "")
 
 
 def observed_text(observation: Observation) -> str:
-    """Return what the sensors said, in a few words."""
+    """Return an observation in a few words."""
     if observation.kind == "look":
         count = len(observation.detections)
         return f"{count or 'no'} detection{'' if count == 1 else 's'}"
@@ -70,7 +70,7 @@ def observed_text(observation: Observation) -> str:
 
 @contextmanager
 def terminal_may_go() -> Iterator[None]:
-    """Let the block write to a terminal that somebody has closed: a signal says so, and ends the run in good order."""
+    """Ignore that the terminal is closed while the block writes to it: a signal ends the run in good order."""
     try:
         yield
     except OSError as error:
@@ -79,13 +79,13 @@ def terminal_may_go() -> Iterator[None]:
 
 
 class Lines:
-    """One line on standard error per executed action."""
+    """Prints one line on standard error for each executed action."""
 
     def __init__(self, words: Wording = AS_RECORDED) -> None:
-        """Nothing has been seen yet.
+        """Start before the first decision.
 
         Args:
-            words: How operations and fluents are said.
+            words: Words for operations and fluents.
         """
         self._words = words
         self._dropped = ""
@@ -96,17 +96,17 @@ class Lines:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Nothing to put back."""
+        """Do nothing."""
 
     def believed(self, belief: Belief, tick: int) -> None:
-        """Say nothing."""
+        """Print nothing."""
 
     def decided(self, turn: Turn) -> None:
-        """Remember why plans were dropped, for the line of the action that follows."""
+        """Remember why plans were dropped, for the line of the next action."""
         self._dropped = drop_text(turn.plans, self._words)
 
     def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
-        """Print the action and what came of it."""
+        """Print the action and its result."""
         done = f"{self._words.operation(action.op)} -> {result.status.replace('_', ' ')}"
         parts = [f"step {action.step:2d}  {done}", observed_text(observation)]
         line = ", ".join(part for part in parts if part)
@@ -115,14 +115,14 @@ class Lines:
 
 
 class Silence(Lines):
-    """Nothing at all."""
+    """Prints nothing."""
 
     def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
-        """Say nothing."""
+        """Print nothing."""
 
 
 class Picture(Lines):
-    """A live picture on a terminal."""
+    """Shows a live picture on a terminal."""
 
     def __init__(self, setup: Setup, console: Console, words: Wording) -> None:
         """Prepare an empty picture.
@@ -130,7 +130,7 @@ class Picture(Lines):
         Args:
             setup: Gives goal, limits and the names of colours.
             console: The terminal.
-            words: How operations and fluents are said.
+            words: Words for operations and fluents.
         """
         super().__init__(words)
         self._setup, self._console = setup, console
@@ -140,7 +140,7 @@ class Picture(Lines):
         self._decision: Decision | None = None
         self._tick = 0
         self._now = "starting"
-        # refreshed by hand: a thread of its own would draw while the physics engine keeps standard error closed
+        # refreshed by hand: a separate thread would draw while the physics engine keeps standard error closed
         self._live = Live(console=console, auto_refresh=False, transient=False)
 
     def __enter__(self) -> Self:
@@ -161,7 +161,7 @@ class Picture(Lines):
         self._draw()
 
     def decided(self, turn: Turn) -> None:
-        """Show the plan stack and the action to come."""
+        """Show the plan stack and the next action."""
         super().decided(turn)
         self._plan = turn.plans[-1] if turn.plans else self._plan
         self._decision = turn.decisions[-1] if turn.decisions else self._decision
@@ -172,7 +172,7 @@ class Picture(Lines):
         self._draw()
 
     def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
-        """Show what became of the action."""
+        """Show the result of the action."""
         said = observed_text(observation)
         done = f"{self._words.operation(action.op)} -> {result.status.replace('_', ' ')}"
         self._now = f"{done}{', ' + said if said else ''}"
@@ -183,7 +183,7 @@ class Picture(Lines):
             self._live.update(self.picture(), refresh=True)
 
     def picture(self) -> RenderableType:
-        """Return the whole picture as it stands; it fits the terminal."""
+        """Return the present picture; it fits the terminal."""
         below: list[RenderableType] = []
         if self._plan is not None and self._plan.layers:
             below.append(Text("plan stack, from the goal down to the next step", style="bold"))
@@ -198,7 +198,7 @@ class Picture(Lines):
         return Group(goal, self._table(self._belief, room), *below)
 
     def _table(self, belief: Belief, room: int) -> Table:
-        """Return the belief as a table of at most `room` lines, if that is enough for the least number of rows."""
+        """Return the belief as a table of at most `room` lines; it has at least `LEAST_ROWS` rows, even if too long."""
         width = min(self._console.width, WIDEST)
         rows = max(LEAST_ROWS, min(len(belief.anchors), room - _FRAME_LINES))
         table = belief_table(belief, self._meanings, width, rows, self._steps())
@@ -211,11 +211,11 @@ class Picture(Lines):
         return len(self._console.render_lines(part, pad=False))
 
     def _steps(self) -> str:
-        """Return all steps of the plan stack: objects that they speak of are shown before others."""
+        """Return all steps of the plan stack as text: the objects in it are shown before others."""
         return " ".join(step.op for layer in (self._plan.layers if self._plan else ()) for step in layer)
 
     def _progress(self) -> RenderableType:
-        """Return what is going on; below, the step, the bar towards the limit of steps, and how likely the plan is."""
+        """Return the present action, and below it the step, a bar towards the limit of steps, and the plan's p."""
         step, limit = (self._belief.step if self._belief else 0), self._setup.scenario.limits.steps
         grid = Table.grid(padding=(0, 1))
         chance = "" if self._decision is None or not self._decision.plan else _probability(self._decision)
@@ -232,14 +232,14 @@ def belief_table(belief: Belief, meanings: Mapping[str, Meaning], width: int, mo
     """Return the belief as a table.
 
     Args:
-        belief: What to show.
-        meanings: What the words mean.
-        width: Columns that it may fill.
-        most: How many rows it may have below its heads; the last one says how many objects are left out.
+        belief: The belief.
+        meanings: Meanings of the words.
+        width: Largest width in columns.
+        most: Largest number of rows below the heads; the last row counts the objects that are left out.
         first: A text; the objects that it names are shown before others.
     """
     table = Table(title=f"belief at step {belief.step}", title_justify="left", box=SIMPLE_HEAD, width=width)
-    for column in COLUMNS:  # where there is no room for all, colours are wrapped first
+    for column in COLUMNS:  # without room for all columns, colours are wrapped first
         table.add_column(column, no_wrap=width >= NARROW and not column.startswith("color"))
     rows = belief_rows(belief, meanings)
     kept = rows if len(rows) <= most else _most_wanted(rows, most - 1, first)
@@ -255,14 +255,14 @@ def belief_table(belief: Belief, meanings: Mapping[str, Meaning], width: int, mo
 
 
 def _most_wanted(rows: list[tuple[str, ...]], most: int, first: str) -> list[tuple[str, ...]]:
-    """Return some rows, in their order: those of objects that a text names, then those that come first."""
+    """Return at most `most` rows in their order: those of objects that a text names, then the first others."""
     named = set(re.findall(r"\w+", first))
     kept = sorted(range(len(rows)), key=lambda i: (rows[i][0] not in named, i))[:most]
     return [rows[i] for i in sorted(kept)]
 
 
 def _in_one_line(markup: str) -> Text:
-    """Return a line that ends with an ellipsis where the terminal does."""
+    """Return a line that is cut with an ellipsis at the edge of the terminal."""
     text = Text.from_markup(markup, overflow="ellipsis")
     text.no_wrap = True
     return text
@@ -289,7 +289,7 @@ def _probability(decision: Decision) -> str:
 
 
 def watcher_for(setup: Setup, quiet: bool, raw: bool = False) -> "Lines":
-    """Return who watches: nobody, a picture on a terminal, or lines."""
+    """Return the display of a run: none, a picture on a terminal, or lines."""
     if quiet:
         return Silence()
     console, words = Console(stderr=True), wording_for(setup, raw)

@@ -1,14 +1,14 @@
-"""How near the plan of a search is to the best plan, in words."""
+"""The distance of a search's plan from the best plan, in words."""
 
 import math
 from collections.abc import Sequence
 
 
 def optimality(within: float | None) -> str:
-    """Return what is known of a plan beside the best one.
+    """Return the known bound on a plan's cost, relative to the best plan, in words.
 
     Args:
-        within: At most this many times the cost (-ln p) of the best plan; 1: it is the best; None: nothing is known.
+        within: Bound on the cost (-ln p) as a multiple of the best plan's cost; 1: it is the best; None: no bound.
     """
     if within is None:
         return "no bound is known"
@@ -16,7 +16,7 @@ def optimality(within: float | None) -> str:
 
 
 def optimality_of_all(within: Sequence[float | None]) -> str:
-    """Return what is known of the plans of a run: how many are the best, how near the others are, how many unknown."""
+    """Return for the plans of a run the number of best plans, the bounds of others, and the number without bound."""
     best, bounds = within.count(1.0), [factor for factor in within if factor is not None and factor > 1.0]
     parts = [f"{best} optimal"] if best else []
     parts += [f"{len(bounds)} {optimality(max(bounds))}"] if bounds else []
@@ -25,5 +25,5 @@ def optimality_of_all(within: Sequence[float | None]) -> str:
 
 
 def _upwards(factor: float) -> float:
-    """Return a factor rounded to hundredths, never to a better one."""
+    """Return a factor rounded up to hundredths."""
     return math.ceil(round(100.0 * factor, 4)) / 100.0

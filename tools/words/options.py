@@ -1,4 +1,4 @@
-"""Options that several verbs have in common."""
+"""The options that several verbs share."""
 
 from typing import Annotated
 
@@ -6,7 +6,7 @@ import typer
 
 
 def installed_worlds(incomplete: str) -> list[str]:
-    """Return the names of worlds that begin as what was typed so far, for the shell to complete."""
+    """Return the names of worlds that begin with the typed text, for completion in the shell."""
     from skolem.tools.loop import worlds
 
     return [name for name in worlds.names() if name.startswith(incomplete)]

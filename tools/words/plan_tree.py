@@ -1,4 +1,4 @@
-"""Plans as text: of a whole run as a tree of plans, refinements and what was done; of one moment as a stack."""
+"""Plans as text: a tree of plans, refinements and actions for a whole run, and the stack at one moment."""
 
 from collections.abc import Iterable, Iterator
 
@@ -13,10 +13,10 @@ LEGEND = (
 
 
 def tree_lines(plans: Iterable[Plan], actions: Iterable[Action], words: Wording) -> list[str]:
-    """Return one line per plan, executed action and drop, in order, indented by the layer of the plan stack.
+    """Return one line for each plan, executed action and drop, in order, indented by the layer of the plan stack.
 
-    As recorded, a plan's row is `[subgoal]` and its steps: `-op->` for an inference, `op @level/concrete` for what is
-    carried out; an executed action is `(op)`. In words a row says what is what.
+    As recorded, a plan's row is `[subgoal]` and its steps: `-op->` for an inference, `op @level/concrete` for an
+    operator; an executed action is `(op)`. In words, a row names these kinds.
     """
     merged: list[Plan | Action] = sorted([*plans, *actions], key=lambda item: (item.step, isinstance(item, Action)))
     lines: list[str] = []
@@ -35,7 +35,7 @@ def tree_lines(plans: Iterable[Plan], actions: Iterable[Action], words: Wording)
 
 
 def _row(plan: Plan, words: Wording) -> str:
-    """Return the row of the plan that was made last: the lowest layer."""
+    """Return the row of the latest plan, which is the lowest layer."""
     layer = plan.layers[-1]
     indent, aim = "  " * (len(plan.layers) - 1), words.aim(layer[-1].subgoal)
     if words.in_words:
@@ -60,7 +60,7 @@ def drop_line(plan: Plan, words: Wording) -> str:
 
 
 def plan_lines(plan: Plan, words: Wording) -> list[str]:
-    """Return the plan stack, a line per layer, the chosen step of each in angle brackets."""
+    """Return the plan stack, one line for each layer, with the chosen step in angle brackets."""
     between = "; " if words.in_words else "  "
     return [
         f"{'  ' * depth}" + between.join(f"<{op}>" if i == chosen else op for i, op in enumerate(ops))

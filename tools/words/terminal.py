@@ -1,4 +1,4 @@
-"""Lines as they are printed: on a terminal wrapped between words, elsewhere as long as they are."""
+"""Printed lines: wrapped between words on a terminal, of any length elsewhere."""
 
 import shutil
 import sys
@@ -7,15 +7,15 @@ from collections.abc import Iterable
 
 from skolem.tools.words.printable import printable
 
-HANGING = 4  # by so much the rest of a wrapped line is indented further than its beginning
+HANGING = 4  # additional indentation of the rest of a wrapped line
 
 
 def say(lines: Iterable[str], hanging: int = HANGING) -> None:
     """Print lines on standard output.
 
     Args:
-        lines: What to print; characters that are not shown are printed as escapes.
-        hanging: By how much the rest of a line is indented, beyond its own indentation, when it is wrapped.
+        lines: The lines; invisible characters are printed as escapes.
+        hanging: Additional indentation of the rest of a wrapped line.
     """
     found = [printable(line) for line in lines]
     if sys.stdout.isatty():
@@ -25,7 +25,7 @@ def say(lines: Iterable[str], hanging: int = HANGING) -> None:
 
 
 def wrapped(line: str, width: int, hanging: int = HANGING) -> list[str]:
-    """Return a line in parts of at most `width` columns, broken between words; a longer word stands by itself."""
+    """Return a line in parts of at most `width` columns, broken between words; a longer word is a part by itself."""
     if len(line) <= width:
         return [line]
     indent = len(line) - len(line.lstrip())

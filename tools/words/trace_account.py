@@ -1,4 +1,4 @@
-"""What a recorded run was made of and how it went, in figures: for `info` and for the manifest of golden traces."""
+"""A recorded run in figures, for `info` and for the manifest of golden traces."""
 
 import re
 from collections import Counter
@@ -29,21 +29,21 @@ class Account:
     """A run in figures.
 
     Attributes:
-        start: What it was made of.
-        end: How it ended; None if the trace ends before.
+        start: The start of the run.
+        end: The end of the run; None if the trace ends before.
         verdict: Whether the goal was true in the world; None if that is not recorded.
-        steps: Executed actions.
-        replans: How often plans were dropped because of what they needed, or as impossible.
-        causes: Why the plan stack changed, with counts.
-        executed: Operators that were carried out, with counts.
+        steps: Number of executed actions.
+        replans: How often plans were dropped, because a needed fluent became false or a step was found impossible.
+        causes: Causes of changes of the plan stack, with counts.
+        executed: Executed operators, with counts.
         planned: Operators and inference rules in plans, with counts.
-        searches: Calls of the regression.
-        within: Of every plan that was found, how near it is known to be to the best one, as `Decision.within`.
-        clingo_calls: Calls of the rules.
+        searches: Number of searches.
+        within: The bound `Decision.within` of every plan that was found.
+        clingo_calls: Number of solver calls.
         simulated_s: Simulated time, in seconds.
         messages: Number of messages by topic.
         bytes: Their size before compression, by topic.
-        hashes: Of the content, and of the decisions.
+        hashes: Hashes of the content, and of the decisions.
     """
 
     start: RunStart | None = None

@@ -1,3 +1,3 @@
-"""Recorded terms put into words, for whoever prints or draws a run. May import: file."""
+"""Recorded terms in words, for printing and drawing a run. May import: file."""
 
 __all__ = ()

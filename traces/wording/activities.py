@@ -50,23 +50,23 @@ _VERBS: Final[dict[tuple[str, int], tuple[str, str, _Of]]] = {
 
 
 def verb(term: Recorded) -> tuple[str, str, _Of] | None:
-    """Return how an operation is said; None for one that a rule file brings."""
+    """Return the verb of an operation; None for one from a rule file."""
     return _VERBS.get((spaced(term.name).replace(" ", "_"), len(term.args)))
 
 
 def do(things: Things, term: Recorded) -> str:
-    """Return an operation as an infinitive: `pick sodaC`; one that is not known as it is recorded."""
+    """Return an operation as an infinitive: `pick sodaC`; an unknown one as recorded."""
     known = verb(term)
     return f"{known[0]} {known[2](things, term.args)}" if known else own(things, term)
 
 
 def doing(things: Things, term: Recorded) -> str:
-    """Return an operation as a noun: `picking sodaC`; one that is not known as it is recorded."""
+    """Return an operation as a noun: `picking sodaC`; an unknown one as recorded."""
     known = verb(term)
     return f"{known[1]} {known[2](things, term.args)}" if known else own(things, term)
 
 
 def own(things: Things, term: Recorded) -> str:
-    """Return a term that a rule file brings: as it is recorded, but for the objects it speaks of."""
+    """Return a term from a rule file as recorded, but with the names of its objects."""
     inner = ", ".join(things.name(arg) for arg in term.args)
     return f"{term.name}({inner})" if term.args else str(term)

@@ -1,4 +1,4 @@
-"""Bounds and quantities of recorded terms as people give them: probabilities, lengths, angles, colours and weights.
+"""Bounds and quantities of recorded terms in words: probabilities, lengths, angles, colours and weights.
 
 Terms hold whole numbers: probabilities as -ln p in millionths, everything else in thousandths.
 """
@@ -26,7 +26,7 @@ def probability(micronats: int) -> str:
 
 
 def pose_spread(sd: Sequence[Recorded]) -> str:
-    """Return how well a pose is known: `8 mm and 9 degrees`; the standard deviations are of x, y and the heading."""
+    """Return the uncertainty of a pose: `8 mm and 9 degrees`; `sd` has standard deviations of x, y and the heading."""
     x, y, heading = (each.number for each in sd)
     parts = [f"{x} mm"] if x is not None and x == y else []
     if not parts:
@@ -37,13 +37,13 @@ def pose_spread(sd: Sequence[Recorded]) -> str:
 
 
 def pose_place(mean: Sequence[Recorded]) -> str:
-    """Return where a pose is: `x 1.20 m, y 0.10 m, 90 degrees`."""
+    """Return the values of a pose: `x 1.20 m, y 0.10 m, 90 degrees`."""
     x, y, heading = (each.number or 0 for each in mean)
     return f"x {x / 1000.0:.2f} m, y {y / 1000.0:.2f} m, {math.degrees(heading / 1000.0):.0f} degrees"
 
 
 def colour_spread(sd: Sequence[Recorded]) -> str:
-    """Return how well a colour is known, in degrees of hue and percent of saturation and value."""
+    """Return the uncertainty of a colour, in degrees of hue and percent of saturation and value."""
     hue, saturation, value = (each.number for each in sd)
     parts = [] if hue is None else [f"{hue / 1000.0 * _DEGREES_OF_A_TURN:.0f} degrees of hue"]
     parts += [] if saturation is None else [f"{saturation / 10.0:.0f} % of saturation"]
@@ -52,7 +52,7 @@ def colour_spread(sd: Sequence[Recorded]) -> str:
 
 
 def colour_place(mean: Sequence[Recorded], colours: Mapping[str, HsvVolume]) -> str:
-    """Return which colour it is: the first of some words by alphabet that contains it, otherwise in numbers."""
+    """Return a colour as the first word by alphabet that contains it, otherwise in numbers."""
     hue, saturation, value = ((each.number or 0) / 1000.0 for each in mean)
     for word, volume in sorted(colours.items()):
         if volume.contains((hue % 1.0, saturation, value)):
@@ -67,13 +67,13 @@ def weight(log_kg: Recorded) -> str:
 
 
 def weight_spread(sd: Recorded) -> str:
-    """Return how well a weight is known: in percent, or as a factor if that is much."""
+    """Return the uncertainty of a weight, in percent, or as a factor if it is large."""
     spread = (sd.number or 0) / 1000.0
     return f"{100.0 * spread:.0f} %" if spread < _ALIKE else f"a factor of {math.exp(spread):.1f}"
 
 
 def weight_range(mean: Recorded, tolerance: Recorded) -> str:
-    """Return between which weights something lies."""
+    """Return a range of weights."""
     middle, around = (mean.number or 0) / 1000.0, (tolerance.number or 0) / 1000.0
     return f"{_weight(middle - around)} and {_weight(middle + around)}"
 
@@ -84,7 +84,7 @@ def _weight(log_kg: float) -> str:
 
 
 def listed(parts: Sequence[str]) -> str:
-    """Return some things as a list: `a`, `a and b`, `a, b and c`."""
+    """Return several texts as one list: `a`, `a and b`, `a, b and c`."""
     return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1]))) if parts else ""
 
 

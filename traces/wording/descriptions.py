@@ -1,7 +1,7 @@
 """Descriptions of a goal in words: `lambda x. Soda(x) & Green(x)` is the green soda.
 
-The goal is read as it was written. The reasoner's own parser is not asked: it needs the rules of the run, and an older
-run can still be put into words when they cannot be read any more.
+The goal is read as text, without the reasoner's parser: that needs the rules of the run, and an older run is put into
+words even if its rules can no longer be read.
 """
 
 import re
@@ -21,8 +21,8 @@ class Description:
     """One description of a goal.
 
     Attributes:
-        text: As the goal states it.
-        words: The properties that it names, in the words of the rules' constants, if it is nothing but these.
+        text: Its text in the goal.
+        words: Its properties, as constants of the rules, if it consists of properties alone.
         either: Whether one of them is enough.
     """
 
@@ -31,10 +31,10 @@ class Description:
     either: bool = False
 
     def phrase(self, nouns: Collection[str]) -> str:
-        """Return what it describes: `the green thing`; the text itself in quotes if it says more than properties.
+        """Return the described object: `the green thing`; the text in quotes if it has more than properties.
 
         Args:
-            nouns: Which words name a type of things.
+            nouns: The words that name types of objects.
         """
         if not self.words:
             return f'what "{self.text}" describes'
@@ -48,7 +48,7 @@ class Description:
 
 
 def predicate(words: Sequence[str], nouns: Collection[str]) -> str:
-    """Return what something is that has some properties: `green and heavy`, `a heavy can`."""
+    """Return properties as a predicate: `green and heavy`, `a heavy can`."""
     kinds = [spaced(word) for word in words if word in nouns]
     others = [spaced(word) for word in words if word not in nouns]
     if not kinds:
@@ -62,7 +62,7 @@ def _with_article(name: str) -> str:
 
 
 def descriptions(goal: str) -> tuple[dict[str, Description], dict[str, str]]:
-    """Return the descriptions of a goal by their constants e1, e2, .., and which of them each variable or name has.
+    """Return the descriptions of a goal by their constants e1, e2, .., and the constant of each variable or name.
 
     The constants number the different descriptions in order of appearance, as the reasoner does.
     """
@@ -79,7 +79,7 @@ def descriptions(goal: str) -> tuple[dict[str, Description], dict[str, str]]:
 
 
 def _lambdas(goal: str) -> Iterator[tuple[str, str, str, str]]:
-    """Yield each lambda with its variable, its body, and what it is to denote."""
+    """Yield each lambda with its variable, its body, and the name or variable that it must denote."""
     for start in _LAMBDA.finditer(goal):
         depth, end = 0, start.end()
         while end < len(goal) and (depth or goal[end] not in ",)"):

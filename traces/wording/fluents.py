@@ -1,6 +1,6 @@
 """Fluents in words: `P(sodaE is the green thing) >= .9`, `the left hand is empty`.
 
-The bound of a belief is never a number of micro-nats, and the quantities of a Gaussian belief have their units.
+Bounds are given as probabilities, never in micro-nats, and the quantities of a Gaussian belief have units.
 """
 
 from collections.abc import Callable, Iterable
@@ -14,7 +14,7 @@ from skolem.traces.wording.things import Things
 
 _Clause = Callable[[Things, tuple[Recorded, ...]], str]
 
-_BELIEVED: Final[dict[tuple[str, int], _Clause]] = {  # what a b(phi, p) is about
+_BELIEVED: Final[dict[tuple[str, int], _Clause]] = {  # the clause of the phi in b(phi, p)
     ("den", 2): lambda t, a: t.is_meant(*a),
     ("holds", 2): lambda t, a: t.has(a[1], *a[0].args),
     ("prop", 2): lambda t, a: t.has(a[1], a[0]),
@@ -39,12 +39,12 @@ _OTHERS: Final[dict[tuple[str, int], _Clause]] = {
 
 
 def known(term: Recorded) -> bool:
-    """Return whether a term is a fluent of the kinds that skolem answers."""
+    """Return whether a term is a fluent of a kind that skolem defines."""
     return (term.name in ("b", "bn") and len(term.args) > 1) or (term.name, len(term.args)) in _OTHERS
 
 
 def clause(things: Things, term: Recorded) -> str:
-    """Return a fluent in words; one that is not known as it is recorded."""
+    """Return a fluent in words; an unknown one as recorded."""
     match term:
         case Recorded("b", (phi, bound)) if bound.number is not None:
             return f"P({_phi(things, phi)}) >= {amounts.probability(bound.number)}"
@@ -65,7 +65,7 @@ def _phi(things: Things, phi: Recorded) -> str:
 
 
 def _known(things: Things, quantity: str, mean: Recorded, sd: Recorded, tolerance: Recorded) -> str:
-    """Return how well a quantity is known, and what it is then."""
+    """Return the uncertainty of a quantity, and its value if the fluent gives one."""
     match quantity:
         case "pose" if len(sd.args) == 3:
             near = f", near {amounts.pose_place(mean.args)}" if mean.args else ""
@@ -82,10 +82,10 @@ def _known(things: Things, quantity: str, mean: Recorded, sd: Recorded, toleranc
 
 
 def weakest(texts: Iterable[tuple[str, Recorded | None]]) -> list[str]:
-    """Return which of some false fluents to tell.
+    """Return the false fluents that are worth mentioning.
 
-    Of several bounds on one probability the least says most. Nothing is true of an object before it is found: that is
-    told only if there is nothing else to tell.
+    Among several bounds on one probability the lowest says most. No fluent is true of an object before it is found:
+    such a fluent is mentioned only if there is no other.
     """
     every = list(texts)
     found = [(text, term) for text, term in every if "sk(" not in text] or every

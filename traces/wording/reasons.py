@@ -1,4 +1,4 @@
-"""The codes that a run records, in words: why plans change, how a run ends, what may go wrong, what rules refuse."""
+"""The recorded codes in words: causes of plan changes, ends of runs, risks, and refusals by rules."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -44,5 +44,5 @@ REFUSALS: Final[Mapping[str, str]] = {
 
 
 def in_words(code: str, table: Mapping[str, str]) -> str:
-    """Return a code in words; one that a rule file brings, `too_slippery`, as `too slippery`."""
+    """Return a code in words; an unknown one from a rule file, `too_slippery`, as `too slippery`."""
     return table.get(code) or spaced(code)

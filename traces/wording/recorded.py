@@ -1,4 +1,4 @@
-"""Recorded terms read from their text, `b(den(e1,sodaE),105361)` or `Place(sodaC, table1)`, without a solver."""
+"""A parser for recorded terms, `b(den(e1,sodaE),105361)` or `Place(sodaC, table1)`, without a solver."""
 
 import re
 from collections.abc import Iterator
@@ -7,15 +7,15 @@ from typing import Final
 
 _TOKEN: Final = re.compile(r"\s*([^\s(),]+|[(),])")
 _START: Final = re.compile(r"[A-Za-z_]\w*\(")
-_MOST_COMPOUNDS: Final = 100  # in one term; keeps recursion shallow, whatever a trace holds
+_MOST_COMPOUNDS: Final = 100  # most compounds in one term: keeps recursion shallow for any trace
 
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A term as it is recorded.
+    """A recorded term.
 
     Attributes:
-        name: Its functor, the constant or the number; empty for a tuple.
+        name: Its functor, constant or number; empty for a tuple.
         args: Its arguments; empty for a constant or a number.
     """
 
@@ -27,12 +27,12 @@ class Recorded:
 
     @property
     def number(self) -> int | None:
-        """Its value, if it is a whole number."""
+        """Its value; None if it is no whole number."""
         return int(self.name) if not self.args and re.fullmatch(r"-?\d+", self.name) else None
 
 
 def read(text: str) -> Recorded | None:
-    """Return the term that a text is; None if it is none."""
+    """Return the term of a text; None if the text is no term."""
     tokens = _TOKEN.findall(text)
     if not tokens or text.count("(") > _MOST_COMPOUNDS or "".join(tokens) != re.sub(r"\s", "", text):
         return None
@@ -44,7 +44,11 @@ def read(text: str) -> Recorded | None:
 
 
 def _read(tokens: list[str], at: int) -> tuple[Recorded, int]:
-    """Return the term that begins at a token, and where the next one begins; IndexError if the text is no term."""
+    """Return the term that begins at a token, and the index of the next token.
+
+    Raises:
+        IndexError: If the text is no term.
+    """
     name = ""
     if tokens[at] not in "(),":
         name, at = tokens[at], at + 1
@@ -63,7 +67,7 @@ def _read(tokens: list[str], at: int) -> tuple[Recorded, int]:
 
 
 def within(text: str) -> Iterator[tuple[int, int]]:
-    """Yield from where to where the outermost terms with arguments stand in a text."""
+    """Yield the start and end in a text of each outermost term with arguments."""
     end = 0
     while (start := _START.search(text, end)) is not None:
         end, depth = start.end(), 1

@@ -1,4 +1,4 @@
-"""What terms speak of, in words: objects, known by name or still to be found, regions, and what a goal describes."""
+"""The objects, regions and descriptions in terms, in words."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,11 +11,11 @@ from skolem.traces.wording.recorded import Recorded
 
 @dataclass(frozen=True)
 class Things:
-    """What is known of a run by whoever puts its terms into words.
+    """The facts about a run that are needed to put its terms into words.
 
     Attributes:
-        goal: As the run states it; what its descriptions are called follows from it.
-        nouns: The words that name a type of things: something is `a soda`, but `green`.
+        goal: The text of the goal, which gives the names of its descriptions.
+        nouns: The words that name object types: an object is `a soda`, but `green`.
         colours: The colour words of the run's rules; without them colours are given in numbers.
     """
 
@@ -28,7 +28,7 @@ class Things:
         return descriptions(self.goal)
 
     def name(self, term: Recorded) -> str:
-        """Return what an object is called: its anchor, the variable of the goal, or `the green thing to be found`."""
+        """Return the name of an object: its anchor, the variable of the goal, or `the green thing to be found`."""
         match term:
             case Recorded("sk", (Recorded("var", (Recorded(variable),)),)):
                 described = self._descriptions[0].get(self._descriptions[1].get(variable, ""))
@@ -43,16 +43,16 @@ class Things:
         return str(term)
 
     def region(self, term: Recorded) -> str:
-        """Return what a region is called."""
+        """Return the name of a region."""
         return f"region {self.name(term)}"
 
     def described(self, expression: Recorded) -> str:
-        """Return what a description of the goal describes: `the green thing`."""
+        """Return the object of a description of the goal: `the green thing`."""
         description = self._descriptions[0].get(str(expression))
         return "what is meant" if description is None else description.phrase(self.nouns)
 
     def is_meant(self, expression: Recorded, thing: Recorded) -> str:
-        """Return the clause that an object is what a description denotes."""
+        """Return the clause that an object is meant by a description."""
         name = "the object to be found" if thing.name == "sk" else self.name(thing)
         known = str(expression) in self._descriptions[0]
         return f"{name} is {self.described(expression)}" if known else f"{name} is meant"

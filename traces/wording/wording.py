@@ -1,8 +1,8 @@
-"""What a run records as people read it: fluents, operations, codes, and sentences with terms in them.
+"""The record of a run in words: fluents, operations, codes, and sentences with terms in them.
 
 A fluent such as `b(den(e1,sodaE),105361)` reads `P(sodaE is the green thing) >= .9`, an operation such as
-`Move(pick(left,sodaC))` reads `drive to pick sodaC with the left hand`. Rule files may bring fluents and operations of
-their own: these read as they are recorded. Nothing that is recorded changes: words are made when text is shown.
+`Move(pick(left,sodaC))` reads `drive to pick sodaC with the left hand`. Fluents and operations that a user's rule files
+add are shown as recorded. No record changes: words are made when text is shown.
 """
 
 import re
@@ -16,12 +16,12 @@ from skolem.traces.wording.recorded import Recorded, read, within
 from skolem.traces.wording.things import Things
 
 _VARIABLE: Final = re.compile(r"(?<!sk\()\bvar\((\w+)\)")
-_CODE: Final = re.compile(r": ([a-z]+(?:_[a-z]+)+)(?= \[)")  # why a rule refuses, before the place of the rule
+_CODE: Final = re.compile(r": ([a-z]+(?:_[a-z]+)+)(?= \[)")  # the reason of a rule, before its file and line
 _OBVIOUS: Final = re.compile(r"krd\(\w+\)")
 
 
 class Wording:
-    """Everything as it is recorded: what `--raw` shows. `InWords` says the same in words."""
+    """Shows everything as recorded, for `--raw`; `InWords` shows the same in words."""
 
     in_words = False
 
@@ -38,11 +38,11 @@ class Wording:
         return text
 
     def described(self, expression: str) -> str:
-        """Return what the description of the goal with some constant describes."""
+        """Return the object of the goal's description with a constant."""
         return expression
 
     def meant(self, expression: str) -> str:
-        """Return the heading of the probabilities that objects are what a description denotes."""
+        """Return the heading for the probabilities that objects are meant by a description."""
         return f"P(Den) of {expression}"
 
     def sentence(self, text: str) -> str:
@@ -58,7 +58,7 @@ class Wording:
         return code
 
     def risk(self, code: str, p: float) -> str:
-        """Return what a step costs: what may go wrong, and the probability `p` that it does not."""
+        """Return the cost of a step: the risk, and the probability `p` that it does not happen."""
         return f"cost: {code}, p = {p:.3f}"
 
     def ended(self, status: RunStatus, reason: str) -> str:
@@ -75,12 +75,12 @@ class Wording:
 
 
 class InWords(Wording):
-    """Everything in words."""
+    """Shows everything in words."""
 
     in_words = True
 
     def __init__(self, things: Things) -> None:
-        """Take over what is known of the run."""
+        """Use the facts about a run."""
         self._things = things
 
     def fluent(self, text: str) -> str:
@@ -89,9 +89,9 @@ class InWords(Wording):
         return text if term is None else fluents.clause(self._things, term)
 
     def aim(self, texts: Iterable[str]) -> str:
-        """Return a conjunction of fluents, said of some object if the goal's variables stand in it.
+        """Return a conjunction of fluents, with `some object` for variables of the goal.
 
-        That an object with a name is known by name goes without saying.
+        Fluents that say only that a named object is known by its name are left out.
         """
         found = tuple(texts)
         variables = dict.fromkeys(name for text in found for name in _VARIABLE.findall(text))
@@ -105,15 +105,15 @@ class InWords(Wording):
         return text if term is None else activities.do(self._things, term)
 
     def described(self, expression: str) -> str:
-        """Return what a description describes: `the green thing`."""
+        """Return the object of a description: `the green thing`."""
         return self._things.described(Recorded(expression))
 
     def meant(self, expression: str) -> str:
-        """Return the heading of the probabilities that objects are what a description denotes."""
+        """Return the heading for the probabilities that objects are meant by a description."""
         return f"P(it is {self.described(expression)})"
 
     def sentence(self, text: str) -> str:
-        """Return a text with the fluents and operations in it in words; what speaks of rules stays as it is."""
+        """Return a text with its fluents and operations in words; terms with variables of the rules stay."""
         parts, end = list[str](), 0
         for start, after in within(text):
             parts += [text[end:start], self._term(text[start:after])]
@@ -137,7 +137,7 @@ class InWords(Wording):
         return self.sentence(in_words(code, REFUSALS))
 
     def risk(self, code: str, p: float) -> str:
-        """Return what may go wrong, and with which probability it does not."""
+        """Return the risk of a step, and the probability that it does not happen."""
         term = read(code)
         match term:
             case Recorded("missed", (thing,)):
@@ -171,7 +171,7 @@ class InWords(Wording):
 
 
 def _is_pattern(term: Recorded) -> bool:
-    """Return whether a term has variables of the rules in it: then it is said of rules, not of the run."""
+    """Return whether a term has variables of the rules: then it is about rules, not about the run."""
     return (not term.args and term.name[:1].isupper()) or any(map(_is_pattern, term.args))
 
 
