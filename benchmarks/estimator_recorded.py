@@ -17,7 +17,7 @@ from skolem.estimation.belief import Belief
 from skolem.estimation.events import Began, Event
 from skolem.estimation.se2 import Matrix, between, log as tangent
 from skolem.sim.physics.pybullet import PyBulletWorld
-from skolem.sim.scenario.scenario import prior, true_bodies
+from skolem.sim.scenario.scenario import prior_of, true_bodies
 from skolem.sim.symbolic.view import head_towards
 from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import Setup, prepare
@@ -98,13 +98,13 @@ def record(scenario: Path, seed: int, world: str, trace: Path) -> None:
 
 def along(trace: Trace) -> Recording:
     """Return the log of a belief that gets the inputs of a trace."""
-    told, truth, steps = _read(trace)
-    belief = Belief(told)
+    prior, truth, steps = _read(trace)
+    belief = Belief(prior)
     moments = []
     for action, result, observation in steps:
         belief.update(action, result, observation)
         if observation.kind == "look":
-            moments.append(_moment(belief, told, truth[action.step + 1]))
+            moments.append(_moment(belief, prior, truth[action.step + 1]))
     return Recording(belief.events, tuple(moments))
 
 
@@ -114,8 +114,8 @@ def touring(setup: Setup, seed: int) -> Recording:
     start = (robot.base.x, robot.base.y, robot.base.theta)
     bodies, noise = true_bodies(scenario, setup.types), scenario.true_noise.message()
     world = PyBulletWorld(setup.types, bodies, start, robot.torso_m, noise, seed, lambda topic, message: None, False)
-    told = prior(scenario, setup.types, seed, world.robot_state())
-    belief, moments = Belief(told), []
+    prior = prior_of(scenario, setup.types, seed, world.robot_state())
+    belief, moments = Belief(prior), []
     draws = Generator(PCG64(SeedSequence([seed])))
     tables = [anchor for anchor in belief.anchors() if not belief.graspable(anchor)]
     try:
@@ -126,7 +126,7 @@ def touring(setup: Setup, seed: int) -> Recording:
             head = head_towards(robot.torso_m, np.array([bx, by, TOP_M]))
             if head is not None:
                 _do(world, belief, 2 * turn + 1, LookAt(pan=head[0], tilt=head[1]))
-                moments.append(_moment(belief, told, world.state(2 * turn + 2)))
+                moments.append(_moment(belief, prior, world.state(2 * turn + 2)))
     finally:
         world.close()
     return Recording(belief.events, tuple(moments))
@@ -177,14 +177,14 @@ def _do(world: PyBulletWorld, belief: Belief, step: int, command: MoveBase | Loo
     belief.update(action, *world.execute(action))
 
 
-def _moment(belief: Belief, told: Prior, true: TrueState) -> Moment:
-    names = {item.anchor for item in told.objects}
+def _moment(belief: Belief, prior: Prior, true: TrueState) -> Moment:
+    names = {item.anchor for item in prior.objects}
     pairs = tuple((anchor, item) for anchor, item in _pairs(belief, true) if anchor in names)
     return Moment(belief.version, true.world_T_base, pairs)
 
 
 def _read(trace: Trace) -> tuple[Prior, dict[int, TrueState], list[tuple[Action, ActionResult, Observation]]]:
-    told = None
+    prior = None
     truth: dict[int, TrueState] = {}
     actions: dict[int, Action] = {}
     results: dict[int, ActionResult] = {}
@@ -193,7 +193,7 @@ def _read(trace: Trace) -> tuple[Prior, dict[int, TrueState], list[tuple[Action,
         message = recorded.message
         match message:
             case Prior():
-                told = message
+                prior = message
             case TrueState():
                 truth[message.step] = message
             case Action():
@@ -202,9 +202,9 @@ def _read(trace: Trace) -> tuple[Prior, dict[int, TrueState], list[tuple[Action,
                 results[message.step] = message
             case Observation():
                 observations[message.step] = message
-    assert told is not None, "every trace of a run has a prior"
+    assert prior is not None, "every trace of a run has a prior"
     done = sorted(actions.keys() & results.keys() & observations.keys())
-    return told, truth, [(actions[i], results[i], observations[i]) for i in done]
+    return prior, truth, [(actions[i], results[i], observations[i]) for i in done]
 
 
 def _pairs(belief: Belief, true: TrueState) -> Iterator[tuple[str, TrueObject]]:

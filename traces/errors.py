@@ -48,7 +48,7 @@ class Fault:
         return f"{head}\n    {text}\n    {caret}^"
 
 
-def told(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """Return an exception as a trace records it: type and message, without the folders of this machine."""
     said = error.strerror or "" if isinstance(error, OSError) else _FOLDERS.sub("", str(error))
     return f"{type(error).__name__}: {said}".rstrip(": ")

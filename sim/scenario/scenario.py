@@ -40,7 +40,7 @@ __all__ = [
     "load_document",
     "load_scenario",
     "moves_before",
-    "prior",
+    "prior_of",
     "read_document",
     "schema_text",
     "true_bodies",
@@ -132,7 +132,7 @@ def moves_before(scenario: Scenario, types: Types, step: int) -> tuple[tuple[str
     return tuple((i.id, _raised(i, known[i.id], scenario, types)) for i, known in zip(moved, poses, strict=True))
 
 
-def prior(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Prior:
+def prior_of(scenario: Scenario, types: Types, seed: int, robot: RobotState) -> Prior:
     """Return the prior of a run.
 
     The base and the objects `like: world` are drawn around the truth with the stated deviations, from a stream of their

@@ -16,7 +16,7 @@ from skolem.tools.recorded.rethinking import Given
 from skolem.tools.recorded.rules import Rulebooks
 from skolem.tools.recorded.run import RecordedRun, RecordedStep
 from skolem.traces.compare.diff import tolerance_for
-from skolem.traces.errors import InternalError, told
+from skolem.traces.errors import InternalError, error_text
 from skolem.traces.messages import Memory
 
 NO_MEMORY = "an older trace, without /memory: the rules behind the action cannot be told"
@@ -76,7 +76,7 @@ def explained(trace: Path, step: int | None) -> Explanation:
     try:
         _think(run, given, path, thoughts)
     except Exception as error:
-        again = end is not None and told(error) == end.reason
+        again = end is not None and error_text(error) == end.reason
         if not again and not isinstance(error, InternalError):
             raise
         notes.append(f"thought again, it fails {'in the same way' if again else f'with: {str(error).splitlines()[0]}'}")

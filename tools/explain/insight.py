@@ -79,7 +79,7 @@ def insights(run: RecordedRun, given: Given, steps: Iterable[int]) -> Iterator[I
     """Yield the mind at each of some decisions, in order."""
     wanted = sorted(set(steps))
     geometry = RecalledGeometry()
-    mind = Mind(given.goal, given.rulebook, given.told, given.limits, geometry, _unrecorded, Stopwatch())
+    mind = Mind(given.goal, given.rulebook, given.prior, given.limits, geometry, _unrecorded, Stopwatch())
     for recorded in run.steps():
         if recorded.step in wanted:
             geometry.take(recorded.answers)

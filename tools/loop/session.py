@@ -12,7 +12,7 @@ from typing import IO, Protocol
 from google.protobuf.message import Message as Protobuf
 
 from skolem.reasoner import Turn
-from skolem.sim.scenario.scenario import believed_noise, moves_before, prior, true_bodies
+from skolem.sim.scenario.scenario import believed_noise, moves_before, prior_of, true_bodies
 from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.setup import Setup, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
@@ -146,13 +146,13 @@ class _Run:
 
     def _loop(self, world: World) -> None:
         setup = self._setup
-        told = prior(setup.scenario, setup.types, setup.seed, world.robot_state())
-        self._write("/prior", told)
+        prior = prior_of(setup.scenario, setup.types, setup.seed, world.robot_state())
+        self._write("/prior", prior)
         self._write("/truth/state", world.state(0))
         with self._watch.part(LOADING):
             planner = setup.world.planner(setup.types, setup.seed)
         with closing(planner):
-            mind = Mind(setup.goal, setup.rulebook, told, setup.scenario.limits, planner, self._emit, self._watch)
+            mind = Mind(setup.goal, setup.rulebook, prior, setup.scenario.limits, planner, self._emit, self._watch)
             step = 0
             while (action := (turn := self._decide(mind, step)).action) is not None:
                 self._act(world, mind, action)

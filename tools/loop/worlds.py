@@ -14,7 +14,7 @@ from google.protobuf.message import Message as Protobuf
 
 from skolem.reasoner import Geometry
 from skolem.sim.truth.bodies import TrueBody
-from skolem.traces.errors import Fault, InputError, told
+from skolem.traces.errors import Fault, InputError, error_text
 from skolem.traces.messages import (
     Action,
     ActionResult,
@@ -153,7 +153,7 @@ def _loaded(entry: EntryPoint, asked: str) -> WorldKind:
     try:
         kind = entry.load()
     except Exception as error:
-        said = f"the world '{entry.name}' ({entry.value}) cannot be loaded: {told(error)}"
+        said = f"the world '{entry.name}' ({entry.value}) cannot be loaded: {error_text(error)}"
         raise InputError([Fault(asked, 0, 0, said)]) from error
     if not isinstance(kind, WorldKind):
         said = f"the world '{entry.name}' ({entry.value}) is a {type(kind).__name__}, expected a WorldKind"

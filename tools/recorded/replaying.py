@@ -12,7 +12,7 @@ from skolem.tools.recorded.rethinking import Given, Rethinking, Thought
 from skolem.tools.recorded.rules import Rulebooks
 from skolem.tools.recorded.run import CUT_SHORT, RecordedRun, RecordedStep
 from skolem.traces.compare.diff import Comparison, Tolerance
-from skolem.traces.errors import Fault, InputError, told
+from skolem.traces.errors import Fault, InputError, error_text
 from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import TICKS_PER_SECOND, Action, RunEnd
 
@@ -107,12 +107,12 @@ def given_in(run: RecordedRun, rulebooks: Rulebooks | None = None, rules: Mappin
         InputError: If the rules or the goal are not sound for this version of the product.
     """
     rulebook = (rulebooks or Rulebooks()).of(run.attachments, rules)
-    names = [item.anchor for item in run.told.objects]
+    names = [item.anchor for item in run.prior.objects]
     goal = parse_goal(run.start.goal, rulebook.vocabulary.words(), names)
-    told = run.told
+    prior = run.prior
     if rules:
-        told = told.model_copy(update={"types": dict(rulebook.vocabulary.types)})
-    return Given(goal, rulebook, told, run.start.limits)
+        prior = prior.model_copy(update={"types": dict(rulebook.vocabulary.types)})
+    return Given(goal, rulebook, prior, run.start.limits)
 
 
 def same_act(a: Action, b: Action) -> bool:
@@ -137,7 +137,7 @@ def _geometry(run: RecordedRun, options: Options) -> RecalledGeometry:
     if not options.plan_motions:
         return RecalledGeometry()
     world = worlds.named(run.start.world, str(run.path))
-    return RecalledGeometry(lambda: world.planner(run.told.types, run.start.seed), recall=False)
+    return RecalledGeometry(lambda: world.planner(run.prior.types, run.start.seed), recall=False)
 
 
 def _rethink(mind: Rethinking, recorded: RecordedStep, options: Options, replayed: Replayed) -> None:
@@ -173,7 +173,7 @@ def _go_on(mind: Rethinking, action: Action, recorded: RecordedStep) -> str:
     except Exception as error:
         if recorded.end is None or recorded.end.status != "error":
             raise
-        return told(error)
+        return error_text(error)
     return ""
 
 

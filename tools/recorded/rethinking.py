@@ -8,7 +8,7 @@ from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.geometry import RecalledGeometry
 from skolem.tools.recorded.run import RecordedRun, RecordedStep
-from skolem.traces.errors import Fault, InputError, told
+from skolem.traces.errors import Fault, InputError, error_text
 from skolem.traces.file.codec import HashChain, encode
 from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import CLASS_OF, INPUT, Action, Chain, Geometry, Limits, Message, Prior, RunEnd
@@ -21,13 +21,13 @@ class Given:
     Attributes:
         goal: The goal of the run.
         rulebook: The rules and the words.
-        told: The initial belief.
+        prior: The initial belief.
         limits: Counts after which the robot gives up.
     """
 
     goal: Goal
     rulebook: Rulebook
-    told: Prior
+    prior: Prior
     limits: Limits
 
 
@@ -81,7 +81,7 @@ class Rethinking:
         self._run, self._geometry = run, geometry
         self._held: frozenset[bytes] = frozenset()  # recorded messages of the present decision
         self._thought: list[tuple[str, bytes]] = []
-        self._mind = Mind(given.goal, given.rulebook, given.told, given.limits, geometry, self._emit, watch)
+        self._mind = Mind(given.goal, given.rulebook, given.prior, given.limits, geometry, self._emit, watch)
 
     def recall(self, recorded: RecordedStep) -> None:
         """Give the mind the recorded memory of this decision.
@@ -110,7 +110,7 @@ class Rethinking:
         try:
             turn = self._mind.decide(recorded.step)
         except Exception as error:
-            failure = told(error)
+            failure = error_text(error)
             self._note(recorded, failure)
         return Thought(self._messages(recorded, turn), turn, failure)
 

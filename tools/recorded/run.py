@@ -100,7 +100,7 @@ class RecordedRun:
     Attributes:
         path: The trace.
         start: The recorded start of the run.
-        told: The initial belief.
+        prior: The initial belief.
     """
 
     def __init__(self, path: Path) -> None:
@@ -115,11 +115,11 @@ class RecordedRun:
         found = {m.topic: m for m in head}
         if not {"/run/start", "/prior"} <= found.keys():
             raise TraceError(f"{path}: nothing to replay: the run was not yet told its goal and its prior belief")
-        start, told = found["/run/start"].message, found["/prior"].message
+        start, prior = found["/run/start"].message, found["/prior"].message
         assert isinstance(start, RunStart)
-        assert isinstance(told, Prior)
+        assert isinstance(prior, Prior)
         check_made_of(self._trace, start)
-        self.start, self.told, self.head = start, told, head
+        self.start, self.prior, self.head = start, prior, head
         schemas = self._trace.schemas
         try:
             self._known = {topic: KnownFields(schemas[topic]) for topic in DECISIONS if topic in schemas}

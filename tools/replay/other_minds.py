@@ -7,7 +7,7 @@ from typing import Final
 from skolem.reasoner import Goal
 from skolem.reasoner.language.expressions import Believed
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.sim.scenario.scenario import Document, prior, read_document
+from skolem.sim.scenario.scenario import Document, prior_of, read_document
 from skolem.tools.loop.setup import understood
 from skolem.tools.recorded.replaying import given_in
 from skolem.tools.recorded.rethinking import Given
@@ -17,8 +17,8 @@ from skolem.traces.errors import Fault, InputError, TraceError
 from skolem.traces.file.made_of import SCENARIO
 
 THRESHOLD: Final = "threshold"
-NOT_TOLD: Final = ("goal", "limits")  # keys of a scenario that change the mind, but not its prior
-TOLD: Final = ("belief", "priors", "noise", "model")  # keys that change the prior
+OF_MIND: Final = ("goal", "limits")  # keys of a scenario that change the mind, but not its prior
+OF_PRIOR: Final = ("belief", "priors", "noise", "model")  # keys that change the prior
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +54,8 @@ def changes_of(rules: Mapping[str, bytes], flags: Sequence[str]) -> Changes:
             threshold = _probability(value)
             if threshold is None:
                 faults.append(Fault(f"--set {flag}", 0, 0, "expected a probability between 0 and 1, both excluded"))
-        elif key.partition(".")[0] not in (*NOT_TOLD, *TOLD):
-            known = ", ".join((THRESHOLD, *NOT_TOLD, *TOLD))
+        elif key.partition(".")[0] not in (*OF_MIND, *OF_PRIOR):
+            known = ", ".join((THRESHOLD, *OF_MIND, *OF_PRIOR))
             message = f"what was recorded cannot change: expected one of {known}; `skolem run --set` changes the world"
             faults.append(Fault(f"--set {flag}", 0, 0, message))
         else:
@@ -82,12 +82,12 @@ def given_with(run: RecordedRun, changes: Changes, rulebooks: Rulebooks) -> Give
 def _given_by_scenario(run: RecordedRun, changes: Changes, rulebook: Rulebook) -> Given:
     """Return the inputs by the changed scenario; the prior stays as recorded unless a flag changes it."""
     scenario, goal = understood(_document(run, changes.overrides), rulebook)
-    told = run.told
-    if any(flag.partition("=")[0].partition(".")[0] in TOLD for flag in changes.overrides):
-        told = prior(scenario, rulebook.vocabulary.types, run.start.seed, run.told.robot)
+    prior = run.prior
+    if any(flag.partition("=")[0].partition(".")[0] in OF_PRIOR for flag in changes.overrides):
+        prior = prior_of(scenario, rulebook.vocabulary.types, run.start.seed, run.prior.robot)
     elif changes.rules:
-        told = told.model_copy(update={"types": dict(rulebook.vocabulary.types)})
-    return Given(goal, rulebook, told, scenario.limits)
+        prior = prior.model_copy(update={"types": dict(rulebook.vocabulary.types)})
+    return Given(goal, rulebook, prior, scenario.limits)
 
 
 def _document(run: RecordedRun, overrides: Sequence[str]) -> Document:

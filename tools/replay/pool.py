@@ -29,8 +29,8 @@ def reports(traces: Sequence[Path], wanted: Wanted, workers: int) -> Iterator[Re
         InternalError: If a process dies.
     """
     try:
-        told = (wanted, gc.get_threshold(), os.getpid())
-        with ProcessPoolExecutor(workers, get_context("spawn"), _begin, told) as pool:
+        arguments = (wanted, gc.get_threshold(), os.getpid())
+        with ProcessPoolExecutor(workers, get_context("spawn"), _begin, arguments) as pool:
             held = signal.pthread_sigmask(
                 signal.SIG_BLOCK, {signal.SIGINT}
             )  # workers inherit it: Ctrl-C is not for them
@@ -53,4 +53,4 @@ def _begin(wanted: Wanted, garbage: tuple[int, int, int], parent: int) -> None:
 
 
 def _report(path: Path) -> Report:
-    return _replayers[0].told(path)
+    return _replayers[0].report_even_of_faults(path)

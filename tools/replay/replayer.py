@@ -39,7 +39,7 @@ class Replayer:
         run = RecordedRun(path)
         return self._replayed(run) if self._what_if is None else self._what_if.report(run)
 
-    def told(self, path: Path) -> Report:
+    def report_even_of_faults(self, path: Path) -> Report:
         """Replay one trace of many and return its report; an error becomes a report, too."""
         try:
             return self.report(path)

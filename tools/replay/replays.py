@@ -49,7 +49,7 @@ def _reports(traces: Sequence[Path], wanted: Wanted, workers: int | None) -> Ite
     if len(traces) == 1:
         yield replayer.report(traces[0])
     elif count <= 1:
-        yield from map(replayer.told, traces)
+        yield from map(replayer.report_even_of_faults, traces)
     else:
         from skolem.tools.replay import pool  # loads multiprocessing, which one trace does not need
 

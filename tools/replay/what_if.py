@@ -73,9 +73,9 @@ def foresee(run: RecordedRun, given: Given) -> Foreseen:
         InputError: If there is such a question, and that world is not installed.
     """
     foreseen = Foreseen()
-    told, world = given.told, _installed(run)
-    planner = None if world is None else lambda: world.planner(told.types, run.start.seed)
-    with closing(RecalledGeometry(planner, recall=told == run.told)) as geometry:
+    prior, world = given.prior, _installed(run)
+    planner = None if world is None else lambda: world.planner(prior.types, run.start.seed)
+    with closing(RecalledGeometry(planner, recall=prior == run.prior)) as geometry:
         mind = Rethinking(run, given, geometry)
         for recorded in run.steps():
             foreseen.recorded += 1

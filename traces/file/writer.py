@@ -14,7 +14,7 @@ from typing import IO, Self
 from google.protobuf.message import Message as Protobuf
 from mcap.writer import CompressionType, Writer
 
-from skolem.traces.errors import Fault, InputError, InternalError, UnwrittenError, told
+from skolem.traces.errors import Fault, InputError, InternalError, UnwrittenError, error_text
 from skolem.traces.file.clock import time_ns
 from skolem.traces.file.codec import CONTENT, ContentHash, HashChain, counter_of, encode, schema_bytes, schema_name
 from skolem.traces.file.interrupts import interrupts_held
@@ -194,7 +194,7 @@ class TraceWriter:
     def _cut_short(self, error: BaseException | None) -> None:
         """Write the end record of a run that has none."""
         status: RunStatus = "interrupted" if isinstance(error, KeyboardInterrupt) else "error"
-        reason = "closed without an end record" if error is None else told(error)
+        reason = "closed without an end record" if error is None else error_text(error)
         probability, anchor = self._candidate
         end = RunEnd(
             status=status,

@@ -16,7 +16,7 @@ from skolem.sim.scenario.scenario import (
     load_document,
     load_scenario,
     moves_before,
-    prior,
+    prior_of,
     schema_text,
     true_bodies,
 )
@@ -186,40 +186,40 @@ def test_the_prior_is_drawn_around_the_truth_with_the_stated_deviations(rulebook
     truth = {body.id: body.world_T_object for body in true_bodies(scenario, types)}
     scores = []
     for seed in range(200):
-        told = prior(scenario, types, seed, AT_START)
-        for item in told.objects:
+        prior = prior_of(scenario, types, seed, AT_START)
+        for item in prior.objects:
             x, y, z, theta = np.subtract(item.world_T_object, truth[item.anchor])
             scores += [x / item.sd_xy_m, y / item.sd_xy_m, math.remainder(theta, math.tau) / item.sd_theta_rad]
             assert z == 0.0
-        scores += [told.world_T_base[0] / told.base_sd_xy_m, told.world_T_base[2] / told.base_sd_theta_rad]
+        scores += [prior.world_T_base[0] / prior.base_sd_xy_m, prior.world_T_base[2] / prior.base_sd_theta_rad]
     assert np.mean(scores) == pytest.approx(0.0, abs=4 / math.sqrt(len(scores)))
     assert np.std(scores) == pytest.approx(1.0, abs=4 / math.sqrt(2 * len(scores)))
 
 
 def test_the_prior_is_a_function_of_the_seed(rulebook: Rulebook) -> None:
     scenario, types = read(rulebook, GREEN), rulebook.vocabulary.types
-    assert prior(scenario, types, 3, AT_START) == prior(scenario, types, 3, AT_START)
-    assert prior(scenario, types, 3, AT_START) != prior(scenario, types, 4, AT_START)
+    assert prior_of(scenario, types, 3, AT_START) == prior_of(scenario, types, 3, AT_START)
+    assert prior_of(scenario, types, 3, AT_START) != prior_of(scenario, types, 4, AT_START)
 
 
 def test_the_prior_lists_what_the_robot_is_told_in_that_order_and_no_colours(rulebook: Rulebook) -> None:
-    told = prior(read(rulebook, GREEN), rulebook.vocabulary.types, 0, AT_START)
-    assert [item.anchor for item in told.objects] == ["table1", "table2", "table3", "sodaE", "sodaB", "sodaC"]
-    assert [item.support for item in told.objects] == [None, None, None, "table1", "table2", "table3"]
-    assert all(item.colour is None and item.log_weight is None for item in told.objects)
+    prior = prior_of(read(rulebook, GREEN), rulebook.vocabulary.types, 0, AT_START)
+    assert [item.anchor for item in prior.objects] == ["table1", "table2", "table3", "sodaE", "sodaB", "sodaC"]
+    assert [item.support for item in prior.objects] == [None, None, None, "table1", "table2", "table3"]
+    assert all(item.colour is None and item.log_weight is None for item in prior.objects)
 
 
 def test_objects_told_at_a_place_stand_on_the_table_as_it_is_believed(rulebook: Rulebook, tmp_path: Path) -> None:
     text = GREEN.read_text(encoding="utf-8").replace(
         "{id: sodaC, type: {soda: 1.0}, like: world}", "{id: rumour, type: {soda: 1.0}, on: table3, at: [-0.2, 0, 0]}"
     )
-    told = {
+    objects = {
         item.anchor: item
-        for item in prior(read(rulebook, written(tmp_path, text)), rulebook.vocabulary.types, 0, AT_START).objects
+        for item in prior_of(read(rulebook, written(tmp_path, text)), rulebook.vocabulary.types, 0, AT_START).objects
     }
-    x, y, _, theta = told["table3"].world_T_object
+    x, y, _, theta = objects["table3"].world_T_object
     there = (x - 0.2 * math.cos(theta), y - 0.2 * math.sin(theta), 0.68, theta)
-    assert told["rumour"].world_T_object == pytest.approx(there)
+    assert objects["rumour"].world_T_object == pytest.approx(there)
 
 
 REGIONS = """  regions:
@@ -235,13 +235,13 @@ def with_regions(folder: Path, regions: str = REGIONS, priors: str = "") -> Path
 
 def test_regions_and_types_of_strangers_reach_the_prior(rulebook: Rulebook, tmp_path: Path) -> None:
     path = with_regions(tmp_path, priors="  type: {soda: 0.6, bottle: 0.4}\n  objects_per_region: 0.7\n")
-    told = prior(read(rulebook, path), rulebook.vocabulary.types, 0, AT_START)
-    assert [(r.anchor, r.support, r.height_m, r.expected_objects) for r in told.regions] == [
+    prior = prior_of(read(rulebook, path), rulebook.vocabulary.types, 0, AT_START)
+    assert [(r.anchor, r.support, r.height_m, r.expected_objects) for r in prior.regions] == [
         ("_reg1_", "table1", 0.3, 0.25),
         ("_reg2_", "table2", 0.25, 0.7),
     ]
-    assert told.type == {"soda": 0.6, "bottle": 0.4}
-    plain = prior(read(rulebook, GREEN), rulebook.vocabulary.types, 0, AT_START)
+    assert prior.type == {"soda": 0.6, "bottle": 0.4}
+    plain = prior_of(read(rulebook, GREEN), rulebook.vocabulary.types, 0, AT_START)
     assert (plain.regions, plain.type) == ((), {})
 
 
@@ -295,8 +295,8 @@ def test_the_model_of_the_noise_may_differ_from_the_noise(rulebook: Rulebook, tm
     lines[end : end + 1] = ["model:\n", *lines[start + 1 : end]]
     text = "".join(lines[: end + 1]) + "".join(lines[end + 1 :]).replace("found: 0.90", "found: 0.50")
     scenario = read(rulebook, written(tmp_path, text))
-    told = prior(scenario, rulebook.vocabulary.types, 0, AT_START)
-    assert (scenario.true_noise.message().found, told.noise.found) == (0.9, 0.5)
+    prior = prior_of(scenario, rulebook.vocabulary.types, 0, AT_START)
+    assert (scenario.true_noise.message().found, prior.noise.found) == (0.9, 0.5)
 
 
 def test_what_stands_on_a_table_that_the_robot_is_not_told_of_has_no_support_in_the_prior(
@@ -306,8 +306,8 @@ def test_what_stands_on_a_table_that_the_robot_is_not_told_of_has_no_support_in_
     untold = [line for line in lines if "{id: table2, type: {table: 1.0}, like: world" not in line]
     assert len(untold) == len(lines) - 1
     scenario = read(rulebook, written(tmp_path, "".join(untold)))
-    told = prior(scenario, rulebook.vocabulary.types, 0, AT_START)
-    assert {item.anchor: item.support for item in told.objects if item.anchor.startswith("soda")} == {
+    prior = prior_of(scenario, rulebook.vocabulary.types, 0, AT_START)
+    assert {item.anchor: item.support for item in prior.objects if item.anchor.startswith("soda")} == {
         "sodaE": "table1",
         "sodaB": None,
         "sodaC": "table3",

@@ -5,7 +5,7 @@ from contextlib import closing
 from kit.places import ROOT
 
 from skolem.sim import SymbolicGeometry, SymbolicWorld
-from skolem.sim.scenario.scenario import believed_noise, prior, true_bodies
+from skolem.sim.scenario.scenario import believed_noise, prior_of, true_bodies
 from skolem.tools.loop import Mind, prepare
 from skolem.traces.messages import Message
 
@@ -21,7 +21,7 @@ def operators(*extra: object) -> list[str]:
     with closing(
         SymbolicWorld(types, true_bodies(scenario, types), (0.0, 0.0, 0.0), scenario.robot.torso_m, noise, 0, told)
     ) as world:
-        start = prior(scenario, types, 0, world.robot_state())
+        start = prior_of(scenario, types, 0, world.robot_state())
         mind = Mind(setup.goal, setup.rulebook, start, scenario.limits, SymbolicGeometry(types), *extra)  # type: ignore[arg-type]
         while (action := mind.decide(len(done)).action) is not None:
             done.append(action.op)

@@ -6,7 +6,7 @@ import pytest
 from kit.places import SCENARIOS
 from kit.runs import Run, ran
 
-from skolem.sim.scenario.scenario import prior
+from skolem.sim.scenario.scenario import prior_of
 from skolem.tools.loop.setup import prepare
 from skolem.traces.messages import RobotState
 from skolem.traces.messages.arm import CARRY
@@ -50,11 +50,11 @@ def test_with_the_physics_it_ends_so_too_and_things_are_where_they_are_believed_
 
 def test_the_robot_is_told_exactly_where_things_are() -> None:
     setup = prepare(SCENARIOS / "sim1_green.yaml", EXACT, 3, "symbolic")
-    told = prior(setup.scenario, setup.types, 3, RobotState(right_arm=CARRY["right"], left_arm=CARRY["left"]))
-    assert (told.base_sd_xy_m, told.base_sd_theta_rad) == (0.0, 0.0)
-    assert {(item.sd_xy_m, item.sd_theta_rad) for item in told.objects} == {(0.0, 0.0)}
+    prior = prior_of(setup.scenario, setup.types, 3, RobotState(right_arm=CARRY["right"], left_arm=CARRY["left"]))
+    assert (prior.base_sd_xy_m, prior.base_sd_theta_rad) == (0.0, 0.0)
+    assert {(item.sd_xy_m, item.sd_theta_rad) for item in prior.objects} == {(0.0, 0.0)}
     true = {item.id: item for item in setup.scenario.world}
-    tables = [item for item in told.objects if true[item.anchor].on is None]
+    tables = [item for item in prior.objects if true[item.anchor].on is None]
     assert [(*item.world_T_object[:2], item.world_T_object[3]) for item in tables] == [
         pytest.approx(true[item.anchor].at) for item in tables
     ]

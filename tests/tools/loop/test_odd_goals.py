@@ -6,7 +6,7 @@ import pytest
 from kit.places import SCENARIOS
 from kit.recordings import recorded
 
-from skolem.sim.scenario.scenario import prior
+from skolem.sim.scenario.scenario import prior_of
 from skolem.tools.loop.setup import prepare
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
@@ -146,8 +146,8 @@ def test_what_the_camera_is_believed_to_err_by_is_all_that_a_detection_knows_of_
 def test_what_a_thing_stands_on_does_not_depend_on_the_order_in_which_they_are_told() -> None:
     rows = "{id: sodaC, type: {soda: 1.0}, like: world}, {id: table3, type: {table: 1.0}, like: world}"
     setup = prepare(GREEN, [f"belief.objects=[{rows}]", "goal=KRD(sodaC)"], world="symbolic")
-    told = prior(setup.scenario, setup.types, 0, RobotState(right_arm=CARRY["right"], left_arm=CARRY["left"]))
-    assert [item.support for item in told.objects] == ["table3", None]
+    prior = prior_of(setup.scenario, setup.types, 0, RobotState(right_arm=CARRY["right"], left_arm=CARRY["left"]))
+    assert [item.support for item in prior.objects] == ["table3", None]
 
 
 def test_the_name_of_the_robots_own_place_is_refused() -> None:
