@@ -155,10 +155,10 @@ def _views(run: RecordedRun, given: Given, path: Course, stack: Memory) -> tuple
 
 
 def _parting(trace: Path, step: int, rulebooks: Rulebooks) -> int | None:
-    """Return the first decision, up to `step`, that is thought otherwise than it is recorded; None if none is.
+    """Return the first decision, up to `step`, that differs from the recorded one; None if none does.
 
-    An explanation holds only where this version thinks as the robot did. Last digits of floats do not count, as between
-    two machines.
+    An explanation holds only as far as this version decides as the robot did. Last digits of floats do not count, as
+    between two machines.
     """
     replayed = replay(_Beginning(trace, step), Options(tolerance_for("other machine")), rulebooks=rulebooks)
     return next((divergence.step for divergence in replayed.comparison.divergences), None)

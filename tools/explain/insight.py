@@ -50,7 +50,7 @@ class Insight:
 
     @property
     def belief(self) -> Belief:
-        """What is believed."""
+        """The belief."""
         return self.mind.belief
 
     @property
@@ -94,7 +94,7 @@ def insights(run: RecordedRun, given: Given, steps: Iterable[int]) -> Iterator[I
 
 
 def _unrecorded(topic: str, message: Message) -> None:
-    """Let a thought pass: what was thought in the run is recorded there."""
+    """Ignore a message: the trace has the messages of the run."""
 
 
 @dataclass(slots=True)

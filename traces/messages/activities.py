@@ -1,6 +1,6 @@
-"""What the reasoner asks a geometry about. It is recorded as text alone, in the questions of /geometry, under no topic.
+"""The activity that the reasoner asks a geometry about. A trace records it only as text, in questions of /geometry.
 
-So it needs no canonical bytes and no checks on reading, and is a dataclass: a model takes twice as long to make.
+So it is a dataclass without canonical bytes and checks on reading: a model takes twice as long to make.
 """
 
 from dataclasses import dataclass

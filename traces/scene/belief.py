@@ -1,7 +1,7 @@
-"""The believed objects in a rerun recording: outlines in believed colours, and how sure their places are.
+"""The believed objects in a rerun recording: outlines in believed colours, with the uncertainty of their positions.
 
 An outline has the most likely type's shape. The flat ellipsoid above it covers two standard deviations of the position;
-orange marks the base's.
+the one of the base is orange.
 """
 
 import math
@@ -17,15 +17,15 @@ from skolem.traces.scene.shapes import FRAME, GREY, Rgba, Shapes, point_on, rgba
 
 SIGMAS = 2.0
 _LEAST_M, _FLAT_M, _ABOVE_M = 0.004, 0.005, 0.02
-_PALE, _SHEER = 0.45, 170  # of an ellipsoid: share of its object's saturation, opacity
+_PALE, _SHEER = 0.45, 170  # saturation of an ellipsoid as a share of its object's; opacity
 _ORANGE: Rgba = (255, 150, 40, 130)
 
 
 class Beliefs:
-    """Draws what is believed of objects and base, once per decision."""
+    """Draws the belief about objects and base, once for each decision."""
 
     def __init__(self, rows: Rows) -> None:
-        """Begin without objects."""
+        """Start without objects."""
         self._rows = rows
         self._shapes = Shapes(rows)
         self._known: set[str] = set()
@@ -57,18 +57,18 @@ class Beliefs:
 
 
 def _pale(hsv: Sequence[float]) -> Rgba:
-    """Return a colour by which an ellipsoid is told from its object."""
+    """Return a paler colour that distinguishes an ellipsoid from its object."""
     return rgba((hsv[0], hsv[1] * _PALE, 1.0), _SHEER)
 
 
 def spread(world_T_object: Pose4, covariance: Upper3x3, above: float, colour: Rgba) -> rr.Ellipsoids3D:
-    """Return the flat ellipsoid of a position, as high above the pose as asked.
+    """Return the flat ellipsoid of a position.
 
     Args:
         world_T_object: Mean.
         covariance: Upper triangle of 3x3 over (x, y, theta), in the frame of the mean.
         above: Height of the ellipsoid's centre above the pose [m].
-        colour: Of the ellipsoid.
+        colour: Colour of the ellipsoid.
     """
     a, b, _, c, _, _ = covariance
     middle, radius = (a + c) / 2.0, math.hypot((a - c) / 2.0, b)

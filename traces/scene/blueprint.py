@@ -1,4 +1,4 @@
-"""How a recorded run is laid out in the viewer: everything at once."""
+"""The layout of a recorded run in the viewer, with all views at once."""
 
 import rerun.blueprint as rrb
 
@@ -21,8 +21,8 @@ def blueprint(pictures: bool, eye: Eye | None, entropy: tuple[float, float] | No
 
     Args:
         pictures: Whether the camera view shows pictures; otherwise the coarse depth.
-        eye: From where the world is looked at first; None: from where the viewer likes.
-        entropy: From where to where the axis of entropy goes [nats]; None: wherever the curves go.
+        eye: The first eye of the 3D view; None: the viewer's default.
+        entropy: Lower and upper end of the axis of entropy [nats]; None: the range of the curves.
     """
     camera = PICTURE if pictures else DEPTH
     return rrb.Blueprint(

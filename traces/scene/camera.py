@@ -1,6 +1,6 @@
-"""What the camera saw in a rerun recording: its picture if recorded, its coarse depth always, and the detections.
+"""The camera in a rerun recording: its picture if recorded, its coarse depth, and the detections.
 
-A detection is a box in the picture, labelled with the type it most looks like, and a ball above the place in 3D.
+A detection is a box in the picture, labelled with its likeliest type, and a ball above its position in 3D.
 """
 
 import itertools
@@ -21,10 +21,10 @@ from skolem.traces.scene.shapes import Xyz, point_on, rotated
 PICTURE, DEPTH = "camera/picture", "camera/depth"
 _BALL_M, _ABOVE_M = 0.012, 0.045
 _YELLOW = (255, 220, 60)
-_VIEW_PX = 390.0  # columns of the camera view in a window of 1600 x 1000, as the layout divides it
-_TEXT_PX = -1.0  # from the upper edge of a label to its point, as the viewer draws it
-_SIDE_PX = 8.0  # as thick as the side of a box counts
-_SIDE_WORTH_PX, _THING_WORTH_PX = 60.0, 500.0  # of a piece of it as long, and of what is detected: see Seen
+_VIEW_PX = 390.0  # columns of the camera view in a window of 1600 x 1000 with this layout
+_TEXT_PX = -1.0  # from the upper edge of a label to its point in the viewer
+_SIDE_PX = 8.0  # assumed thickness of the side of a box
+_SIDE_WORTH_PX, _THING_WORTH_PX = 60.0, 500.0  # worth of a piece of a side, and of a detected object: see Seen
 _DEPTH_RANGE_MM = (500, 3500)
 
 
@@ -36,7 +36,7 @@ class Camera:
     """
 
     def __init__(self, rows: Rows, base_link: str) -> None:
-        """Begin without a look; detections are drawn in the frame of the robot's base."""
+        """Start without a look; detections are drawn in the frame of the robot's base."""
         self.pictures = False
         self._rows = rows
         self._size: tuple[int, int] | None = None
@@ -52,7 +52,7 @@ class Camera:
         self._size = message.width, message.height
 
     def observed(self, message: Observation, when: When, types: Mapping[str, ObjectType]) -> None:
-        """Show what was detected; detections in 3D stay until the next observation, of whatever kind."""
+        """Show the detections; in 3D they stay until the next observation of any kind."""
         likely = [(found, likeliest(found.type_log_likelihood)) for found in message.detections]
         seen = [(found, types[name]) for found, name in likely if name in types]
         tops = [point_on(found.base_T_object, (0.0, 0.0, kind.size_m[2] + _ABOVE_M)) for found, kind in seen]
@@ -69,7 +69,7 @@ class Camera:
     def _mark(
         self, image: str, when: When, view: DepthView, seen: list[tuple[Detection, ObjectType]], size: tuple[int, int]
     ) -> None:
-        """Draw boxes around detections in an image of that size (columns, rows)."""
+        """Draw boxes around detections in an image of `size` (columns, rows)."""
         boxes = [outline(found, kind, view, size) for found, kind in seen]
         marks = rr.Boxes2D(
             mins=[(left, top) for left, top, _, _ in boxes],
@@ -89,7 +89,7 @@ class Camera:
 
 
 def outline(found: Detection, kind: ObjectType, view: DepthView, size: tuple[int, int]) -> Rectangle:
-    """Return left, top, right and bottom of what an image of (columns, rows) shows of a detected object, in pixels."""
+    """Return left, top, right and bottom of a detected object in an image of (columns, rows), in pixels."""
     x, y, z = kind.size_m
     corners = itertools.product((-x / 2.0, x / 2.0), (-y / 2.0, y / 2.0), (0.0, z))
     pixels = [pixel(point_on(found.base_T_object, corner), view, size) for corner in corners]
@@ -120,7 +120,7 @@ def _sides(box: Rectangle, thick: float) -> list[Seen]:
 
 
 def _holds(box: Rectangle, other: Rectangle) -> bool:
-    """Return whether another box lies within one."""
+    """Return whether `box` contains the other box."""
     return box != other and all(box[i] <= other[i] and other[i + 2] <= box[i + 2] for i in (0, 1))
 
 

@@ -1,6 +1,6 @@
-"""The eye with which a run is first looked at: where points of the world are seen in the picture, in its pixels.
+"""The first eye of a run: it maps points of the world to pixels of the picture.
 
-A viewer's window may have another size and its eye be moved; what is laid out for this one is then merely good.
+If a viewer's window has another size or its eye is moved, labels laid out for this eye may cover something.
 """
 
 import math
@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from skolem.traces.scene.shapes import Xyz
 
 FIELD_RAD: Final = math.radians(55.0)  # the viewer's vertical field of view
-VIEW_PX: Final = (878, 578)  # of the 3D view in a window of 1600 x 1000, as the layout divides it
-_NEAR_M: Final = 0.05  # what is nearer, or behind the eye, is drawn as if it were there
-_FRAME: Final = 0.94  # share of the picture, across and upwards, that a framed scene fills at most
+VIEW_PX: Final = (878, 578)  # size of the 3D view in a window of 1600 x 1000 with this layout
+_NEAR_M: Final = 0.05  # points that are nearer, or behind the eye, are drawn at this distance
+_FRAME: Final = 0.94  # largest share of the width and height of the picture that a framed scene fills
 Points = NDArray[np.float64]
 
 
@@ -26,15 +26,15 @@ class Eye:
     """A pinhole above the world, upright.
 
     Attributes:
-        at: Where it is [m].
-        target: The point in the middle of the picture [m].
+        at: Its position, world frame [m].
+        target: The point in the middle of the picture, world frame [m].
     """
 
     at: Xyz
     target: Xyz
 
     def pixels(self, points: Iterable[Xyz]) -> Points:
-        """Return where points of the world are seen: one row each of column, row (downwards) and metres per pixel."""
+        """Return for each point of the world its column, its row (downwards) and the metres per pixel there."""
         right, up, forward = _axes(self)
         away = np.asarray(list(points), np.float64).reshape(-1, 3) - self.at
         depth = np.maximum(away @ forward, _NEAR_M)
@@ -44,7 +44,7 @@ class Eye:
         )
 
     def moved(self, point: Xyz, columns: float, rows: float, nearer: float = 1.0) -> Xyz:
-        """Return the point seen so many pixels to the right of another and below, so many times as far from the eye."""
+        """Return the point `columns` right of a point and `rows` below, at `nearer` times its distance from the eye."""
         right, up, _ = _axes(self)
         metres = float(self.pixels([point])[0, 2])
         away = np.asarray(point) + metres * (columns * right - rows * up) - self.at
@@ -56,15 +56,15 @@ _FOCAL_PX: Final = VIEW_PX[1] / 2.0 / math.tan(FIELD_RAD / 2.0)
 
 
 def framing(balls: Points, azimuth: float, elevation: float) -> Eye:
-    """Return the nearest eye that looks from a side and sees all balls within the picture.
+    """Return the nearest eye in a direction that has all balls within the picture.
 
-    A ball is off an edge of the picture if the eye is far enough to that side, and the farther forward the farther:
-    opposite edges bound how far forward it can be, and there it is midway between both bounds.
+    Each edge of the picture bounds the eye to one side; the bound moves outwards as the eye moves forward. Opposite
+    edges limit how far forward the eye can be; there it is midway between both bounds.
 
     Args:
         balls: Centres and radius, world frame, metres, shape (n, 4), at least one.
-        azimuth: Where the eye is, seen from the balls, about the vertical from the x axis on [rad].
-        elevation: The same, upwards from the ground, less than a right angle [rad].
+        azimuth: Direction of the eye from the balls, about the vertical, from the x axis on [rad].
+        elevation: Direction of the eye above the ground, less than a right angle [rad].
     """
     away = (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation))
     axes = _axes(Eye(away, (0.0, 0.0, 0.0)))

@@ -1,7 +1,7 @@
-"""Labels in a rerun recording: of believed objects, with a line to each, and of regions; laid out for the first eye.
+"""Labels in a rerun recording, laid out for the first eye: of believed objects, with a line to each, and of regions.
 
-A label of an object reads `anchor: type p, colour, meant p`. That of a region tells which share of its places could
-still hide a thing, and P(its contents are known): `_reg1_: 0 % unsearched, known .33`.
+A label of an object reads `anchor: type p, colour, meant p`. The label of a region gives the share of its positions
+that could still hide an object, and P(its contents are known): `_reg1_: 0 % unsearched, known .33`.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -25,20 +25,20 @@ _WHITE: Final[Rgba] = (235, 235, 235, 255)
 _LINE: Final[Rgba] = (160, 160, 160, 255)
 _ABOVE_PX: Final = 32.0  # from the top of an object to the middle of its label
 _CORNER_PX: Final = 16.0  # from the corner of a region to the middle of its label
-_NEARER: Final = 0.7  # times as far from the eye as its object is the end of a line, so that no table hides it
-_TEXT_PX: Final = 2.0  # from the upper edge of a label to its point, as the viewer draws it
+_NEARER: Final = 0.7  # distance from the eye to the end of a line, as a share of its object's: no table hides it
+_TEXT_PX: Final = 2.0  # from the upper edge of a label to its point in the viewer
 
 
 @dataclass(frozen=True, slots=True)
 class _Label:
-    """A label before it has its place.
+    """A label without position.
 
     Attributes:
-        entity: What it is of.
-        text: What it says.
-        of: The points it may stand at [m]; the one that it speaks of, if there is a line.
-        above_px: How far above that its middle wants to be.
-        colour: Of the text.
+        entity: Its entity.
+        text: Its text.
+        of: The points at which it may stand [m]; with a line, the one point of its object.
+        above_px: The best distance of its middle above the point.
+        colour: Colour of the text.
         line: Whether a line leads to it.
     """
 
@@ -51,10 +51,10 @@ class _Label:
 
 
 class Labels:
-    """Draws all labels, once per decision."""
+    """Draws all labels, once for each decision."""
 
     def __init__(self, rows: Rows) -> None:
-        """Begin without labels."""
+        """Start without labels."""
         self._rows = rows
         self._framed: set[str] = set()
         self._drawn: set[str] = set()
@@ -72,12 +72,12 @@ class Labels:
         """Draw the labels of a belief.
 
         Args:
-            eye: For which they are laid out.
-            belief: What is believed.
+            eye: The eye for which they are laid out.
+            belief: The belief.
             denotation: P(Den) at the same step, if it is recorded.
-            when: On the timelines.
-            types: What objects can be.
-            things: Corners of each true thing that is to be seen [m].
+            when: Position on the timelines.
+            types: The object types.
+            things: Corners of each visible true object [m].
             limbs: Start and end of each of the robot's limbs [m].
         """
         labels = [*_of_tables(eye, belief, types), *_of_regions(belief, types), *_of_objects(belief, denotation, types)]
@@ -110,7 +110,7 @@ class Labels:
 
 
 def text_of(anchor: str, known: ObjectBelief, kind: ObjectType, denotation: Denotation | None) -> str:
-    """Return what is believed of an object, in one short line; of what no hand can take, only what it is called."""
+    """Return the belief about an object in one short line; for an object that no hand can grasp, only its name."""
     if not kind.graspable:
         return anchor
     name = likeliest(known.type)
@@ -128,7 +128,7 @@ def two_digits(p: float) -> str:
 
 
 def _of_tables(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[_Label]:
-    """Return the labels of supports, each below the edge that is nearest to the eye."""
+    """Return the labels of supports, each below the edge nearest to the eye."""
     labels = []
     for each in likely(belief, types):
         anchor, known, kind = each.anchor, each.known, each.kind
@@ -142,7 +142,7 @@ def _of_tables(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> lis
 
 
 def _of_objects(belief: Belief, denotation: Denotation | None, types: Mapping[str, ObjectType]) -> list[_Label]:
-    """Return the labels of all else, each above its object and with a line to it."""
+    """Return the labels of all other objects, each above its object and with a line to it."""
     return [
         _Label(
             f"belief/{each.anchor}",

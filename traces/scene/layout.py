@@ -1,7 +1,7 @@
-"""Places for labels in a picture: beside what they speak of, off one another, and off what there is to see.
+"""Positions of labels in a picture: near their objects, without covering one another or what is to be seen.
 
-All is measured in pixels, columns to the right and rows downwards. One label after the other takes the place that costs
-least, so whatever comes first in the list has the first choice.
+All units are pixels, columns to the right and rows downwards. One label after another takes the position with the least
+cost, so the first label in the list has the first choice.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,26 +12,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 Rectangle = tuple[float, float, float, float]  # left, top, right, bottom
-Seen = tuple[float, float, float, float, float]  # a rectangle, and from how far away it is worth not to be covered
-Boxes = NDArray[np.float64]  # of rectangles, shape (n, 4), or of what is seen, shape (n, 5)
-LETTER_PX, MARGIN_PX, HEIGHT_PX = 6.4, 12.0, 23.0  # the viewer's lettering: width a letter, of both margins; height
-_GAP_PX: Final = 8.0  # at least this far from another label
-_STEP_PX: Final = (13.0, 9.0)  # between places to try, sideways and upwards
-_REACH: Final = (18, 18)  # so many of them to each side, and upwards and downwards
+Seen = tuple[
+    float, float, float, float, float
+]  # a rectangle, and its worth: the distance a label moves to keep it free
+Boxes = NDArray[np.float64]  # rectangles, shape (n, 4), or `Seen`, shape (n, 5)
+LETTER_PX, MARGIN_PX, HEIGHT_PX = 6.4, 12.0, 23.0  # the viewer's text: width of a letter, both margins, height
+_GAP_PX: Final = 8.0  # least gap between two labels
+_STEP_PX: Final = (13.0, 9.0)  # between positions to try, sideways and upwards
+_REACH: Final = (18, 18)  # number of them to each side, and upwards and downwards
 _CLASH, _OUT, _DOWN, _LOOSE = 4000.0, 4000.0, 1.2, 3.0  # costs, in pixels of distance: see `_cost`
-_LINE_PX, _LINE_WORTH_PX = 6.0, 20.0  # a line that leads to a label: how thick it counts, and each piece as long
-_MOST_DOTS: Final = 200  # of a line, which is longer only if it leaves the picture far behind
-_ALONG: Final = np.linspace(0.0, 1.0, 16)  # where on its line it is looked at what the line crosses
+_LINE_PX, _LINE_WORTH_PX = 6.0, 20.0  # assumed thickness of a line to a label, and worth of each piece of that length
+_MOST_DOTS: Final = 200  # of a line; only a line far beyond the picture would have more
+_ALONG: Final = np.linspace(0.0, 1.0, 16)  # points on a line at which crossings are tested
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """A label that wants a place.
+    """A label that needs a position.
 
     Attributes:
-        text: What it says.
-        near: Pixels, to any of which its middle is to be near.
-        line: The pixel from where a line leads to the nearest point of it; None: there is no line.
+        text: Its text.
+        near: Pixels; its middle is to be near any of them.
+        line: The pixel at which a line to the label starts; None: there is no line.
     """
 
     text: str
@@ -46,9 +48,9 @@ def arrange(
 
     Args:
         wishes: The labels.
-        seen: What is better not covered.
+        seen: The rectangles that labels should not cover.
         room: Columns and rows of the picture.
-        scale: Pixels of the picture for one of the viewer's.
+        scale: Pixels of the picture for one pixel of the viewer.
     """
     before, taken = np.array([*seen], np.float64).reshape(-1, 5), np.empty((0, 4))
     middles = []
@@ -78,7 +80,7 @@ def around(points: NDArray[np.float64], margin: float = 0.0) -> Rectangle:
 
 
 def dots(start: NDArray[np.float64], end: NDArray[np.float64], spacing: float, worth: float) -> list[Seen]:
-    """Return squares along a line in the picture, so many pixels wide and apart: a line as something to be seen."""
+    """Return a line in the picture as squares, `spacing` pixels wide and apart."""
     count = min(_MOST_DOTS, max(1, round(float(np.linalg.norm(end - start)) / spacing)))
     along = start + (end - start) * ((np.arange(count) + 0.5) / count)[:, None]
     return [(*around(point[None, :], spacing / 2.0), worth) for point in along]
@@ -93,7 +95,7 @@ def _best(
     room: tuple[float, float],
     scale: float,
 ) -> tuple[float, tuple[float, float]]:
-    """Return what the best place near a pixel costs, and the middle of it."""
+    """Return the cost and the middle of the best position near a pixel."""
     columns, rows = (
         middle + scale * step * np.arange(-reach, reach + 1.0)
         for middle, step, reach in zip(near, _STEP_PX, _REACH, strict=True)
@@ -110,14 +112,14 @@ def _best(
 
 @dataclass(frozen=True, slots=True)
 class _Places:
-    """Places for one label: each column with each row, and half the label's width and height."""
+    """Positions for one label: each column with each row, and half the label's width and height."""
 
     columns: NDArray[np.float64]
     rows: NDArray[np.float64]
     half: NDArray[np.float64]
 
     def common(self, found: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return what rectangles have in common with the label: breadth by column, and height by row."""
+        """Return the overlap of rectangles with the label: breadth by column, and height by row."""
         breadth, height = (
             np.clip(
                 np.minimum(middles[:, None] + half, found[:, axis + 2])
@@ -133,7 +135,7 @@ class _Places:
 def _cost(
     places: _Places, near: tuple[float, float], seen: Boxes, taken: Boxes, room: tuple[float, float], scale: float
 ) -> NDArray[np.float64]:
-    """Return what each place costs, shape (rows, columns): distance, what is covered, other labels, the margins."""
+    """Return the cost of each position, shape (rows, columns): distance, covered things, other labels, the margins."""
     distance = _distance(places.columns - near[0], places.rows - near[1], scale)
     breadth, height = places.common(seen)
     covered = _summed(height * (seen[:, 4] / _area(seen)), breadth)
@@ -148,17 +150,17 @@ def _cost(
 
 
 def _summed(height: NDArray[np.float64], breadth: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return sums over all rectangles, shape (rows, columns), in one thread and an order that no library chooses."""
+    """Return sums over all rectangles, shape (rows, columns), in one thread and in a fixed order."""
     return np.asarray(np.einsum("rn,cn->rc", height, breadth, optimize=False))
 
 
 def _distance(right: NDArray[np.float64], down: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
-    """Return distances in pixels of the viewer, shape (rows, columns); downwards it is farther than upwards."""
+    """Return distances in pixels of the viewer, shape (rows, columns); distances downwards count more than upwards."""
     return np.hypot(right[None, :], (np.where(down > 0.0, _DOWN, 1.0) * down)[:, None]) / scale
 
 
 def _crossed(start: NDArray[np.float64], ends: NDArray[np.float64], taken: Boxes) -> NDArray[np.float64]:
-    """Return through how many rectangles the line to each end runs; ends of shape (rows, columns, 2)."""
+    """Return the number of rectangles that the line to each end crosses; ends of shape (rows, columns, 2)."""
     points = start + _ALONG[:, None, None, None] * (ends - start)
     count = np.zeros(ends.shape[:2])
     for left, top, right, bottom in taken:
@@ -168,6 +170,6 @@ def _crossed(start: NDArray[np.float64], ends: NDArray[np.float64], taken: Boxes
 
 
 def _area(found: Boxes) -> NDArray[np.float64]:
-    """Return the areas, of which none is nothing."""
+    """Return the areas, each above zero."""
     sides = np.maximum(found[:, 2:4] - found[:, :2], 1e-3)
     return np.asarray(sides[:, 0] * sides[:, 1])

@@ -1,7 +1,7 @@
 """The plan stack in a rerun recording, laid out as a tree: a layer refines the marked step of the layer above.
 
-Green: the step that is carried out next. White: the steps it refines. Grey: what comes after them; blue: inferences
-among these. Red, below: plans that were dropped in this step, and what was no longer so.
+Green: the step that is carried out next. White: the steps that it refines. Grey: later steps; blue: inferences among
+these. Red, below: plans that were dropped in this step, with the reason.
 """
 
 import textwrap
@@ -22,9 +22,9 @@ _NEXT, _MARKED, _LATER, _INFERRED, _DROPPED, _LOST = (
     (240, 90, 80),
     (170, 95, 90),
 )
-_LETTER, _MARGIN, _GAP, _ROW = 6.6, 18.0, 14.0, 62.0  # in the units of the view, points at its natural size
-_LONGEST, _LONGEST_REASON = 24, 40  # letters of a line in a box
-_MOST_LINES = 6  # of a reason
+_LETTER, _MARGIN, _GAP, _ROW = 6.6, 18.0, 14.0, 62.0  # in units of the view, which are points at its natural size
+_LONGEST, _LONGEST_REASON = 24, 40  # most letters of a line in a box
+_MOST_LINES = 6  # most lines of a reason
 Rgb = tuple[int, int, int]
 
 
@@ -35,8 +35,8 @@ class Node:
     Attributes:
         id: Unique in the tree.
         label: A few lines.
-        colour: Of box and text.
-        parent: The node it hangs on; empty: none.
+        colour: Colour of box and text.
+        parent: Its parent node; empty: none.
     """
 
     id: str
@@ -54,12 +54,12 @@ class Plans:
     """Draws the plan stack whenever it changes."""
 
     def __init__(self, rows: Rows, goal: str, words: Wording) -> None:
-        """Begin with the goal alone.
+        """Start with the goal alone.
 
         Args:
-            rows: Take what is drawn.
-            goal: Of the run.
-            words: How operations and fluents are said.
+            rows: Rows of the recording.
+            goal: The goal of the run.
+            words: Words for operations and fluents.
         """
         self._rows, self._goal, self._words = rows, goal, words
         self._layers: tuple[tuple[PlanStep, ...], ...] = ()
@@ -67,13 +67,13 @@ class Plans:
         self._dropped: list[list[Node]] = []
 
     def step_begins(self, when: When) -> None:
-        """Show what was dropped no longer."""
+        """Hide the dropped plans of the step before."""
         if self._dropped:
             self._dropped = []
             self._draw(when)
 
     def changed(self, plan: Plan, when: When) -> None:
-        """Draw the stack as it is now."""
+        """Draw the present stack."""
         if plan.cause in DROPPED and len(plan.layers) < len(self._layers):
             self._dropped.append(self._what_was_dropped(plan))
         self._layers, self._current = plan.layers, plan.current
@@ -111,7 +111,7 @@ class Plans:
 
 
 def tree(goal: str, layers: Sequence[Sequence[PlanStep]], current: Sequence[int], words: Wording) -> list[list[Node]]:
-    """Return the rows of the tree, the goal first; each row hangs on the marked step of the row above."""
+    """Return the rows of the tree, the goal first; the parent of each row is the marked step of the row above."""
     rows = [[Node("goal", goal, _MARKED)]]
     parent = "goal"
     for depth, (layer, chosen) in enumerate(zip(layers, current, strict=True)):

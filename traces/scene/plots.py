@@ -11,7 +11,7 @@ from skolem.traces.scene.rows import Rows, When
 from skolem.traces.wording.wording import AS_RECORDED, Wording
 
 _HELD = rr.components.InterpolationMode.StepAfter  # a value holds until the next decision
-_SHOWN = 1e-3  # an object whose P(Den) was never above is no curve
+_SHOWN = 1e-3  # an object gets a curve only if its P(Den) was once above this
 _PALETTE = (
     (90, 200, 250),
     (250, 170, 60),
@@ -22,8 +22,8 @@ _PALETTE = (
     (110, 220, 200),
     (230, 130, 90),
 )
-_OFF = 0.3  # so far beyond a number that is written there an axis ends
-_MANY = 8.0  # a longer axis has numbers at tens only
+_OFF = 0.3  # distance from a printed number of the axis to its end
+_MANY = 8.0  # a longer axis prints only multiples of ten
 _GAUSSIAN = math.log(2.0 * math.pi * math.e) / 2.0  # entropy of a normal variable with variance 1
 _LEAST_VARIANCE = 1e-10
 
@@ -32,11 +32,11 @@ class Plots:
     """Adds a point to each curve at each decision.
 
     Attributes:
-        words: How descriptions are said.
+        words: Words for descriptions.
     """
 
     def __init__(self, rows: Rows) -> None:
-        """Begin without curves."""
+        """Start without curves."""
         self._rows = rows
         self.words: Wording = AS_RECORDED
         self._curves: dict[str, int] = {}
@@ -45,12 +45,12 @@ class Plots:
 
     @property
     def entropy_axis(self) -> tuple[float, float]:
-        """From below to above all entropies so far; at least two numbers are written within, but none at the ends."""
+        """The range of the axis for all entropies so far, with at least two printed numbers, none at the ends."""
         unit = 1.0 if self._most - self._least < _MANY else 10.0
         return (math.floor(self._least / unit) - _OFF) * unit, math.ceil(self._most) + _OFF
 
     def meant(self, denotation: Denotation, when: When) -> None:
-        """Add P(Den) of each object and description; a number tells descriptions apart if there are several."""
+        """Add P(Den) of each object and description; if there are several descriptions, they are numbered."""
         for expression, table in denotation.probability.items():
             for anchor, p in table.items():
                 entity = f"plots/den/{expression}/{anchor}"
@@ -61,7 +61,7 @@ class Plots:
                     self._point(entity, name, p, when)
 
     def believed(self, belief: Belief, when: When) -> None:
-        """Add the entropies of the belief, less what they were at the start."""
+        """Add the entropies of the belief, relative to those at the start."""
         for quantity, value in entropies(belief).items():
             change = value - self._start.setdefault(quantity, value)
             self._least, self._most = min(self._least, change), max(self._most, change)
@@ -77,7 +77,7 @@ class Plots:
 
 
 def entropies(belief: Belief) -> dict[str, float]:
-    """Return the mean entropy per object [nats] of places (joint), types, colours and weights."""
+    """Return the mean entropy per object [nats] of poses (joint), types, colours and weights."""
     objects = [belief.objects[anchor] for anchor in belief.anchors]
     return {
         "place": _joint_entropy(belief),

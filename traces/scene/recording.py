@@ -1,7 +1,7 @@
-"""A trace as a rerun recording: the robot, the true and the believed things, what was seen, planned and decided.
+"""A trace as a rerun recording: the robot, true and believed objects, pictures, plans and decisions.
 
-The recording is a function of the trace and of what the robot looks like; nothing else goes in. Messages may come all
-at once from a finished trace, or bit by bit from one that is being written.
+The recording is a function of the trace and of the robot's model alone. Messages may come all at once from a finished
+trace, or step by step from a growing one.
 """
 
 from collections import defaultdict
@@ -41,18 +41,18 @@ from skolem.traces.scene.truth import Truth
 from skolem.traces.wording.of_run import wording
 from skolem.traces.wording.wording import AS_RECORDED
 
-APPLICATION: Final = "skolem"  # a dot in it would make the viewer warn
+APPLICATION: Final = "skolem"  # the viewer warns of a dot in this name
 
 
 def convert(trace: Trace, out: Path, model: RobotModel, raw: bool = False) -> None:
-    """Write a trace as a rerun recording, with the layout in which it is best looked at; `raw` as in `Scene`.
+    """Write a trace as a rerun recording with its layout; `raw` as in `Scene`.
 
     Raises:
         TraceError: If the trace holds a message that does not follow its schema.
         OSError: If the recording cannot be written.
     """
     out.parent.mkdir(parents=True, exist_ok=True)
-    out.open("wb").close()  # rerun itself would only log that it cannot
+    out.open("wb").close()  # raises if the file cannot be written, which rerun would only log
     stream = rr.RecordingStream(APPLICATION, recording_id=trace.path.stem)
     stream.save(out)
     scene = Scene(stream, model, raw)
@@ -64,25 +64,25 @@ def convert(trace: Trace, out: Path, model: RobotModel, raw: bool = False) -> No
     stream.disconnect()
 
 
-# How a thing is drawn of whose type nothing is recorded, as in what was recovered of a damaged trace.
+# Stands for a type that is not recorded, as in a trace that was recovered from a damaged one.
 _UNKNOWN: Final = ObjectType(shape="box", size_m=(0.06, 0.06, 0.06), graspable=True)
 
 
 class Scene:
-    """Draws the messages of a run into a recording, one after the other.
+    """Draws the messages of a run into a recording, one after another.
 
     Attributes:
-        topics: What there is to look at.
-        eye: From where it is looked at first, and labels are laid out for; None before it is known.
+        topics: The topics that are drawn.
+        eye: The first eye, for which labels are laid out; None before it is known.
     """
 
     def __init__(self, stream: rr.RecordingStream, model: RobotModel, raw: bool = False) -> None:
-        """Send what holds at all times.
+        """Send everything that does not depend on time.
 
         Args:
             stream: The recording.
-            model: What the robot looks like.
-            raw: Whether fluents and operations are shown as they are recorded, not in words.
+            model: The robot's model.
+            raw: Whether fluents and operations are shown as recorded, not in words.
         """
         stream.log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, FRAME, static=True, strict=True)
         self._rows = rows = Rows(stream)
@@ -120,7 +120,7 @@ class Scene:
         self.topics = tuple(self._takers)
 
     def survey(self, run: Trace) -> None:
-        """Choose the eye for a whole run, before its first message is taken; otherwise the first belief decides."""
+        """Choose the eye for a whole run before its first message; by default the first belief determines the eye."""
         types, stage = self._types.copy(), self._stage
         for recorded in run.messages("/prior", "/truth/state", "/belief"):
             message = recorded.message
@@ -133,7 +133,7 @@ class Scene:
         self.eye = stage.eye()
 
     def take(self, recorded: Recorded) -> None:
-        """Draw a message of one of the topics; others are nothing to look at."""
+        """Draw a message of one of the topics; ignore others."""
         if recorded.topic not in self._takers:
             return
         message = recorded.message
@@ -142,7 +142,7 @@ class Scene:
         self._takers[recorded.topic](message, When(recorded.tick, self._step))
 
     def flush(self, ended: bool = False) -> None:
-        """Send what was drawn, and the layout when more is known of it: that there are pictures, or how far axes go."""
+        """Send the drawn rows, and the layout if it has changed: pictures have come, or axes have become longer."""
         self._robot.flush()
         self._rows.flush()
         layout = self._camera.pictures, self.eye
@@ -160,7 +160,7 @@ class Scene:
         self._speak()
 
     def _speak(self) -> None:
-        """Say everything in the words of the run, as far as it is known: its goal comes first, then its types."""
+        """Use the words of the run as soon as they are known: its goal comes first, then its types."""
         words = wording(self._goal, self._types, {}, self._raw)
         self._plans = Plans(self._rows, self._goal, words)
         self._log.words = self._plots.words = words
@@ -171,7 +171,7 @@ class Scene:
             self._stage.state(message, self._types)
 
     def _believed(self, message: Belief, when: When) -> None:
-        """Draw a belief but for its labels: P(Den) stands in them, and comes next if it is recorded."""
+        """Draw a belief without labels: they show P(Den), which comes next if it is recorded."""
         self._belief = message, when
         if self.eye is None:
             self._stage.believed(message, self._types)

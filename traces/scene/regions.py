@@ -1,7 +1,7 @@
-"""Regions of space in a rerun recording: their outlines, and cubes spread over the part that has not been seen.
+"""Regions of space in a rerun recording: their outlines, and cubes spread over the unseen part.
 
-The cubes are together as large as the part of the region where something could still be hidden. Where no hidden thing
-fits any more they are crumbs.
+The cubes together are as large as the part of the region that could still hide an object. They are tiny where no
+hidden object fits any more.
 """
 
 import math
@@ -18,20 +18,20 @@ from skolem.traces.scene.rows import Rows, When
 from skolem.traces.scene.shapes import FRAME, OUTLINE, Xyz, point_on
 
 _ORANGE: Final = (255, 140, 0)
-_OPACITY_M, _MOST = 7.0, 200  # of cubes, times their edge, as large ones stand before things; at most
-_CRUMB_M: Final = 0.012  # edge of the smallest cubes, which can just be seen
+_OPACITY_M, _MOST = 7.0, 200  # opacity of cubes times their edge, for large cubes stand before objects; largest opacity
+_CRUMB_M: Final = 0.012  # edge of the smallest cubes, which are just visible
 
 
 class Regions:
-    """Draws the searchable regions, once per decision."""
+    """Draws the searchable regions, once for each decision."""
 
     def __init__(self, rows: Rows) -> None:
-        """Begin without regions."""
+        """Start without regions."""
         self._rows = rows
         self._known: set[str] = set()
 
     def believed(self, belief: Belief, when: When, types: Mapping[str, ObjectType]) -> None:
-        """Draw what has been seen of each region and what not."""
+        """Draw the outline and the unseen part of each region."""
         for name, region in belief.regions.items():
             entity = f"regions/{name}"
             if name not in self._known:
@@ -70,14 +70,14 @@ class Regions:
 
 
 def cubes(region: RegionBelief, face_m: tuple[float, float]) -> tuple[float, list[Xyz]]:
-    """Return the edge of the cubes that stand for what has not been seen, and their centres.
+    """Return the edge and the centres of the cubes for the unseen part of a region.
 
     Args:
-        region: What is known of it.
-        face_m: Length and width of the face it stands on [m].
+        region: The belief about the region.
+        face_m: Length and width of its bottom face [m].
 
     Returns:
-        The edge [m], and centres from the middle of that face upwards [m]. Cubes are inside the region.
+        The edge [m], and centres relative to the middle of that face [m]. Cubes are inside the region.
     """
     room = (*face_m, region.height_m)
     volume = region.hidden * math.prod(room)

@@ -1,4 +1,4 @@
-"""The robot in a rerun recording: its meshes, moved by recorded joints, or by the belief where there are none."""
+"""The robot in a rerun recording: its meshes, moved by recorded joints, or by the belief if none are recorded."""
 
 import math
 from collections import defaultdict
@@ -17,10 +17,10 @@ from skolem.traces.scene.shapes import WORLD, Xyz, Xyzw, placed, product
 
 @dataclass(frozen=True, slots=True)
 class RobotModel:
-    """A robot's description and the names of the joints that a belief speaks of.
+    """A robot's description and the names of the joints in a belief.
 
     Attributes:
-        urdf: The description; mesh paths are relative to its folder, its root stands still in the world.
+        urdf: The description; mesh paths are relative to its folder, its root is fixed in the world.
         base_link: Its base; detections are relative to it.
         base: Joints that move the base along x, along y, and turn it.
         torso: Joint that lifts the torso.
@@ -43,8 +43,8 @@ class Robot:
         """Send the meshes.
 
         Args:
-            rows: Of the recording.
-            model: What the robot looks like.
+            rows: Rows of the recording.
+            model: The robot's model.
         """
         self._rows, self._model = rows, model
         self._tree = rr.urdf.UrdfTree.from_file_path(
@@ -58,20 +58,20 @@ class Robot:
         self._recorded = False
 
     def joints(self, message: JointStates, when: When) -> None:
-        """Take in recorded joint values; from then on the belief's are not needed."""
+        """Take in recorded joint values; from then on the belief's are not used."""
         self._recorded = True
         for joint in message.joints:
             self._move(joint.name, joint.position, when)
 
     def believed(self, belief: Belief, when: When) -> None:
-        """Take in the joint values that a belief holds, and its base, unless the true ones are recorded."""
+        """Take in the joint values and the base of a belief, unless the true ones are recorded."""
         if self._recorded:
             return
         for name, value in self._values_of(belief).items():
             self._move(name, value, when)
 
     def limbs(self, belief: Belief) -> list[tuple[Xyz, Xyz]]:
-        """Return where each link of the believed robot begins and where the next ones do, in the world [m]."""
+        """Return the start of each link of the believed robot and of the links after it, world frame [m]."""
         values, found = self._values_of(belief), []
         frames: dict[str, tuple[Xyz, Xyzw]] = {self._tree.root_link().name: ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))}
         of_robot = {self._model.base_link}
@@ -85,18 +85,18 @@ class Robot:
         return found
 
     def _values_of(self, belief: Belief) -> dict[str, float]:
-        """Return the joint values that a belief holds, its base among them."""
+        """Return the joint values of a belief, its base included."""
         model, state = self._model, belief.robot
         names = (*model.base, model.torso, *model.head, *(name for hand in HANDS for name in model.arm[hand]))
         values = (*belief.world_T_base, state.torso, *state.head, *state.right_arm, *state.left_arm)
         return dict(zip(names, values, strict=True))
 
     def _move(self, name: str, value: float, when: When) -> None:
-        """Let a joint value wait to be sent."""
+        """Keep a joint value until it is sent."""
         self._values[name].append((when, value))
 
     def flush(self) -> None:
-        """Send the joint values that wait."""
+        """Send the kept joint values."""
         for name, values in self._values.items():
             joint = self._tree.get_joint_by_name(name)
             if joint is not None and values:

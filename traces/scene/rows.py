@@ -1,7 +1,7 @@
-"""Rows of a rerun recording, gathered by entity and sent as columns: about a hundred times cheaper than one by one.
+"""Rows of a rerun recording, collected by entity and sent as columns: about a hundred times cheaper than one by one.
 
-Every row stands on two timelines: `sim_time`, and `step`, the number of actions executed before. What happens while
-action k is carried out belongs to step k + 1, so that step k shows what was known and true at decision k.
+Every row stands on two timelines: `sim_time`, and `step`, the number of actions executed before. Rows during action k
+belong to step k + 1, so that step k shows belief and truth at decision k.
 """
 
 from collections import defaultdict
@@ -19,7 +19,7 @@ STEP, SIM_TIME = "step", "sim_time"
 
 @dataclass(frozen=True, slots=True)
 class When:
-    """A place on both timelines: simulated ticks since the start, and executed actions."""
+    """A point on both timelines: simulated ticks since the start, and executed actions."""
 
     tick: int
     step: int
@@ -27,7 +27,7 @@ class When:
 
 @dataclass(frozen=True, slots=True)
 class _Values:
-    """One component of several rows, end to end."""
+    """One component of several rows, concatenated."""
 
     array: pa.Array
 
@@ -37,28 +37,28 @@ class _Values:
 
 
 class Rows:
-    """Rows that wait to be sent to a recording."""
+    """Collects rows and sends them to a recording."""
 
     def __init__(self, stream: rr.RecordingStream) -> None:
-        """Begin without any.
+        """Start without rows.
 
         Args:
-            stream: The recording; nobody else sends rows to the same entities.
+            stream: The recording; no other code sends rows to the same entities.
         """
         self.stream = stream
         self._waiting: dict[str, list[tuple[When, dict[Any, pa.Array]]]] = defaultdict(list)
 
     def static(self, entity: str, *archetypes: rr.AsComponents) -> None:
-        """Send what holds at all times."""
+        """Send components that do not depend on time."""
         self.stream.log(entity, *archetypes, static=True, strict=True)
 
     def add(self, entity: str, when: When, *archetypes: rr.AsComponents) -> None:
-        """Let a row wait: what the entity is from then on."""
+        """Add a row: the components of an entity from then on."""
         batches = [batch for archetype in archetypes for batch in archetype.as_component_batches()]
         self._waiting[entity].append((when, {b.component_descriptor(): b.as_arrow_array() for b in batches}))
 
     def flush(self) -> None:
-        """Send all rows that wait."""
+        """Send all collected rows."""
         for entity, rows in self._waiting.items():
             names = dict.fromkeys(name for _, values in rows for name in values)
             columns = [_column(name, [values.get(name) for _, values in rows]) for name in names]
@@ -66,7 +66,7 @@ class Rows:
         self._waiting.clear()
 
     def send(self, entity: str, whens: list[When], columns: Iterable[rr.ComponentColumn]) -> None:
-        """Send columns at once, one value per place on the timelines."""
+        """Send columns at once, with one value for each point on the timelines."""
         seconds = [when.tick / TICKS_PER_SECOND for when in whens]
         index = [
             rr.TimeColumn(SIM_TIME, duration=seconds),
@@ -76,7 +76,7 @@ class Rows:
 
 
 def _column(name: Any, values: list[pa.Array | None]) -> rr.ComponentColumn:
-    """Return one component of an entity's rows; a row without it has none of it."""
+    """Return one component of an entity's rows; it is empty in rows without it."""
     lengths = [0 if value is None else len(value) for value in values]
     present = pa.concat_arrays([value for value in values if value is not None])
     return rr.ComponentColumn(name, _Values(present), lengths=lengths)

@@ -1,4 +1,4 @@
-"""What there is to see of the world in the picture, and how much it is worth not to be covered by labels."""
+"""The visible parts of the world in the picture, each with its worth, which keeps labels away from it."""
 
 import itertools
 import math
@@ -15,10 +15,10 @@ from skolem.traces.scene.shapes import Xyz, point_on
 from skolem.traces.scene.stage import Limb
 
 UNSURE: Final = 0.5  # anchors less likely to exist are drawn without label
-_EDGE_PX, _LIMB_M = 14.0, 0.40  # as thick as the outline of a region and a limb of the robot count
-_EDGE_WORTH_PX, _TOP_WORTH_PX, _LEG_WORTH_PX, _LIMB_WORTH_PX = 200.0, 45.0, 150.0, 3000.0  # of such a piece: see Seen
-_THING_WORTH_PX, _THING_PX = 500.0, 18.0  # of a thing, and of how much around it: a label there reads as its own
-_SHORT_M: Final = 0.02  # shorter limbs are not to be seen
+_EDGE_PX, _LIMB_M = 14.0, 0.40  # assumed thickness of the outline of a region and of a limb of the robot
+_EDGE_WORTH_PX, _TOP_WORTH_PX, _LEG_WORTH_PX, _LIMB_WORTH_PX = 200.0, 45.0, 150.0, 3000.0  # worth of a piece: see Seen
+_THING_WORTH_PX, _THING_PX = 500.0, 18.0  # worth of an object, and margin around it: a label there looks like its own
+_SHORT_M: Final = 0.02  # shorter limbs are not visible
 
 
 def in_sight(
@@ -28,13 +28,13 @@ def in_sight(
     things: Iterable[Sequence[Xyz]],
     limbs: Iterable[Limb],
 ) -> list[Seen]:
-    """Return all that is better not covered.
+    """Return the rectangles that labels should not cover.
 
     Args:
-        eye: From where it is seen.
-        belief: What is believed, and drawn.
-        types: What objects can be.
-        things: Corners of each true thing that is to be seen [m].
+        eye: The eye.
+        belief: The belief, which is drawn.
+        types: The object types.
+        things: Corners of each visible true object [m].
         limbs: Start and end of each of the robot's limbs [m].
     """
     found = [_thing(eye, corners) for corners in things]
@@ -43,7 +43,7 @@ def in_sight(
 
 @dataclass(frozen=True, slots=True)
 class Likely:
-    """An object that is likely to exist: what is known of it, and the kind of thing that it most likely is."""
+    """An object that is likely to exist: the belief about it, and its likeliest type."""
 
     anchor: str
     known: ObjectBelief
@@ -57,7 +57,7 @@ def likely(belief: Belief, types: Mapping[str, ObjectType]) -> list[Likely]:
 
 
 def region_corners(belief: Belief, region: RegionBelief, types: Mapping[str, ObjectType]) -> list[Xyz]:
-    """Return the corners of a region in the world [m]: each two that differ in one of three bits bound an edge."""
+    """Return the corners of a region in the world [m]; two corners whose indices differ in one bit share an edge."""
     support = belief.objects[region.support]
     x, y, z = types[likeliest(support.type)].size_m
     corners = itertools.product((-x / 2.0, x / 2.0), (-y / 2.0, y / 2.0), (z, z + region.height_m))
@@ -65,7 +65,7 @@ def region_corners(belief: Belief, region: RegionBelief, types: Mapping[str, Obj
 
 
 def _edges(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[Seen]:
-    """Return the outlines of regions, and tables' legs and the edges of their tops, as something to be seen."""
+    """Return the rectangles of outlines of regions, of tables' legs and of the edges of their tops."""
     found = []
     for region in belief.regions.values():
         pixels = eye.pixels(region_corners(belief, region, types))[:, :2]
@@ -86,7 +86,7 @@ def _edges(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[Se
 
 
 def _believed(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list[Seen]:
-    """Return the believed objects as something to be seen, tables apart, and how unsure their places are."""
+    """Return the rectangles of believed objects but tables, and of the ellipsoids of their positions."""
     found = []
     for each in likely(belief, types):
         known, kind = each.known, each.kind
@@ -100,7 +100,7 @@ def _believed(eye: Eye, belief: Belief, types: Mapping[str, ObjectType]) -> list
 
 
 def _limbs(eye: Eye, limbs: Iterable[Limb]) -> list[Seen]:
-    """Return limbs as something to be seen."""
+    """Return the rectangles of limbs."""
     long = [limb for limb in limbs if math.dist(*limb) > _SHORT_M]
     pixels = eye.pixels(point for limb in long for point in limb)
     found = []

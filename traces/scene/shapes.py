@@ -1,4 +1,4 @@
-"""Things drawn in three dimensions: boxes, cylinders and tables where they are, and the colours of words and hues."""
+"""Objects drawn in three dimensions: boxes, cylinders and tables at their poses, and their colours."""
 
 import colorsys
 from collections.abc import Sequence
@@ -15,12 +15,12 @@ Xyz = tuple[float, float, float]
 Xyzw = tuple[float, float, float, float]
 WORLD: Final = "world"
 FRAME: Final = rr.CoordinateFrame(WORLD)
-GREY: Final[Xyz] = (0.0, 0.0, 0.85)  # of what has not been seen
-OUTLINE: Final[Rgba] = (255, 190, 90, 255)  # of regions
+GREY: Final[Xyz] = (0.0, 0.0, 0.85)  # colour of objects whose colour is unknown
+OUTLINE: Final[Rgba] = (255, 190, 90, 255)  # colour of regions
 WOOD: Final[Xyz] = (0.09, 0.38, 0.60)
-_TOP_M, _LEG_M, _INSET_M = 0.04, 0.04, 0.03  # a table's thickness, the width of its legs, how far in they stand
+_TOP_M, _LEG_M, _INSET_M = 0.04, 0.04, 0.03  # thickness of a table's top, width of its legs, their inset
 _LINE_M: Final = 0.002
-_HUES = (  # each up to that hue
+_HUES = (  # upper end of each hue
     (0.04, "red"),
     (0.11, "orange"),
     (0.20, "yellow"),
@@ -30,7 +30,7 @@ _HUES = (  # each up to that hue
     (0.92, "violet"),
     (1.00, "red"),
 )
-_COLOURLESS: Final = 0.2  # saturation or value below: a grey
+_COLOURLESS: Final = 0.2  # saturation or value below which a colour is a grey
 
 
 def rgba(hsv: Sequence[float], alpha: int = 255) -> Rgba:
@@ -41,7 +41,7 @@ def rgba(hsv: Sequence[float], alpha: int = 255) -> Rgba:
 
 
 def colour_word(hsv: Sequence[float]) -> str:
-    """Return what people call a colour; the robot's own words are in its rules."""
+    """Return the common name of a colour; the robot's own words are in its rules."""
     hue, saturation, value = hsv[0] % 1.0, hsv[1], hsv[2]
     if value < _COLOURLESS:
         return "black"
@@ -63,7 +63,7 @@ def rotated(turn: Xyzw, point: Xyz) -> Xyz:
 
 
 def product(one: Xyzw, other: Xyzw) -> Xyzw:
-    """Return the quaternion xyzw that turns as `other` does and then as `one` does."""
+    """Return the quaternion xyzw that turns first by `other` and then by `one`."""
     (a, b, c, d), (x, y, z, w) = one, other
     return (
         d * x + a * w + b * z - c * y,
@@ -74,21 +74,21 @@ def product(one: Xyzw, other: Xyzw) -> Xyzw:
 
 
 def placed(position: Xyz, turn: Xyzw, point: Xyz) -> Xyz:
-    """Return where a point of a frame is in the world."""
+    """Return a point of a frame in world coordinates."""
     x, y, z = rotated(turn, point)
     return position[0] + x, position[1] + y, position[2] + z
 
 
 def point_on(world_T_object: Pose4, point: Xyz) -> Xyz:
-    """Return where a point of an upright object is in the world."""
+    """Return a point of an upright object in world coordinates."""
     return placed(world_T_object[:3], quaternion_xyzw(world_T_object[3]), point)
 
 
 class Shapes:
-    """Draws objects; an object that changes between box and cylinder, or ends, leaves nothing behind."""
+    """Draws objects; an object that changes its shape, or is erased, leaves nothing behind."""
 
     def __init__(self, rows: Rows) -> None:
-        """Begin with an empty picture."""
+        """Start with an empty picture."""
         self._rows = rows
         self._drawn: dict[str, str] = {}
 
@@ -128,11 +128,11 @@ class Shapes:
         self._rows.add(f"{entity}/{self._drawn[entity]}", when, shape)
 
     def erase(self, entity: str, when: When) -> None:
-        """Draw an object no longer."""
+        """Stop drawing an object."""
         self._keep(entity, when, "")
 
     def _keep(self, entity: str, when: When, kind: str) -> None:
-        """Empty what was drawn of an entity as another kind of shape."""
+        """Clear an entity's drawings of other kinds of shapes."""
         before = self._drawn.get(entity, "")
         if before not in ("", kind):
             nothing = rr.Boxes3D(half_sizes=[]) if before == "box" else rr.Cylinders3D(lengths=[], radii=[])
@@ -144,7 +144,7 @@ class Shapes:
 
 
 def _boxes(kind: ObjectType) -> list[tuple[Xyz, Xyz]]:
-    """Return half sizes and centres of the boxes an object consists of, in its frame."""
+    """Return half sizes and centres of the boxes of an object, in its frame."""
     x, y, z = kind.size_m
     if kind.shape != "table":
         return [((x / 2.0, y / 2.0, z / 2.0), (0.0, 0.0, z / 2.0))]

@@ -1,6 +1,6 @@
-"""From where a run is first looked at: all of it in the picture, and the robot in front of as little as can be.
+"""The choice of the first eye of a run: everything is in the picture, and the robot hides as little as possible.
 
-The eye is a function of what was recorded: of tables and things, and of the robot at each decision.
+The eye is a function of the record: of tables and objects, and of the robot at each decision.
 """
 
 import itertools
@@ -17,21 +17,21 @@ from skolem.traces.messages.likeliest import likeliest
 from skolem.traces.scene.eye import Eye, framing
 from skolem.traces.scene.shapes import Xyz, point_on
 
-LIMB_M: Final = 0.16  # as far around the line from joint to joint a limb reaches
-_POINT_M: Final = 0.01  # around a corner
-_ABOVE_M: Final = 0.3  # as high above tables and things is room that is to be in the picture, for regions and labels
-_ALONG_M: Final = 0.2  # at most between places on a limb
-_STAND_M: Final = 0.9  # from the middle of a table, on the near side, the robot is expected sooner or later
-_SPOTS: Final = (-0.4, -0.15, 0.15, 0.4)  # places on a table, in shares of its sides
-_SPOT_M: Final = 0.06  # above the top: where things are
-_TURNS: Final = 36  # as many sides to look from, and as steeply
+LIMB_M: Final = 0.16  # radius of a limb around the line from joint to joint
+_POINT_M: Final = 0.01  # radius around a corner
+_ABOVE_M: Final = 0.3  # height above tables and objects that must be in the picture, for regions and labels
+_ALONG_M: Final = 0.2  # largest distance between points on a limb
+_STAND_M: Final = 0.9  # distance from the middle of a table, on the near side, at which the robot is expected
+_SPOTS: Final = (-0.4, -0.15, 0.15, 0.4)  # positions on a table, in shares of its sides
+_SPOT_M: Final = 0.06  # height of objects above the top
+_TURNS: Final = 36  # number of directions to look from, for each of these elevations
 _ELEVATIONS: Final = tuple(map(math.radians, (30.0, 36.0, 42.0)))
-_HIDDEN: Final = 2.0  # costs of an eye: of the share of the tables that the robot hides, mean over its poses,
-_COVERED: Final = 0.4  # of the share of the robot that tables hide,
-_FAR: Final = 0.3  # of being twice as far away as the nearest eye,
-_ASIDE: Final = 0.05  # and of not seeing the robot's face where it starts (half of seeing its back)
-_POSES: Final = 24  # at most, evenly spread over the decisions, are asked what they hide
-_DIGITS: Final = 6  # of costs: what differs by less differs by rounding, and the first is taken
+_HIDDEN: Final = 2.0  # costs of an eye: for the share of the tables that the robot hides, mean over its poses,
+_COVERED: Final = 0.4  # for the share of the robot that tables hide,
+_FAR: Final = 0.3  # for twice the distance of the nearest eye,
+_ASIDE: Final = 0.05  # and for a robot seen from the side at its start; from the back it is twice that
+_POSES: Final = 24  # most poses for which hidden parts are computed, evenly spread over the decisions
+_DIGITS: Final = 6  # of costs: smaller differences are rounding errors, and the first eye is taken
 Array = NDArray[np.float64]
 Limb = tuple[Xyz, Xyz]
 
@@ -44,7 +44,7 @@ class _Table:
     size_m: Xyz
 
     def spots(self) -> list[Xyz]:
-        """Return places on it in the world."""
+        """Return positions of objects on it, world frame [m]."""
         x, y, z = self.size_m
         return [point_on(self.world_T_table, (i * x, j * y, z + _SPOT_M)) for i in _SPOTS for j in _SPOTS]
 
@@ -60,13 +60,13 @@ class _Table:
 
 
 class Stage:
-    """Gathers what of a run is to be in the picture."""
+    """Collects the parts of a run that must be in the picture."""
 
     def __init__(self, limbs: Callable[[Belief], Iterable[Limb]]) -> None:
-        """Begin with an empty stage.
+        """Start with an empty stage.
 
         Args:
-            limbs: Gives start and end of each limb of the robot that is believed in, in the world [m].
+            limbs: Returns start and end of each limb of the believed robot, world frame [m].
         """
         self._limbs = limbs
         self._truth: TrueState | None = None
@@ -76,14 +76,14 @@ class Stage:
         self._corners: dict[Xyz, None] = {}
 
     def state(self, state: TrueState, types: Mapping[str, ObjectType]) -> None:
-        """Take in where everything is."""
+        """Take in the true poses of all objects."""
         self._truth = state
         for item in state.objects:
             if item.type in types:
                 self._put(item.id, item.world_T_object, types[item.type])
 
     def believed(self, belief: Belief, types: Mapping[str, ObjectType]) -> None:
-        """Take in a belief: how the robot holds itself, and where objects are of which the truth is not recorded."""
+        """Take in a belief: the robot's posture, and the poses of objects whose truth is not recorded."""
         if self._truth is None:
             for anchor in belief.anchors:
                 known = belief.objects[anchor]
@@ -101,10 +101,10 @@ class Stage:
             self._corners[point_on(world_T_object, corner)] = None
 
     def eye(self, going_on: bool = False) -> Eye | None:
-        """Return the eye; None as long as there is no robot.
+        """Return the eye; None if there is no robot yet.
 
         Args:
-            going_on: Whether the robot is yet to go about: then it is expected before each table.
+            going_on: Whether the run goes on: then the robot is expected before each table.
         """
         if self._start is None:
             return None
@@ -128,7 +128,7 @@ class Stage:
         return best
 
     def _expected(self) -> Iterator[Array]:
-        """Yield the robot as it stands now, moved to the near side of each table."""
+        """Yield the present robot, moved to the near side of each table."""
         assert self._start is not None, "there is a robot"
         base = np.array((*self._start[:2], 0.0))
         for table in self._tables.values():
@@ -160,7 +160,7 @@ def _covered(eye: Xyz, robot: Array, tables: Iterable[_Table]) -> float:
 
 
 def _along(limbs: Iterable[Limb]) -> Array:
-    """Return places along limbs to the centimetre, each once, shape (n, 3)."""
+    """Return points along limbs, rounded to centimetres, each once, shape (n, 3)."""
     found = []
     for start, end in limbs:
         shares = np.linspace(0.0, 1.0, math.ceil(math.dist(start, end) / _ALONG_M) + 1)[:, None]

@@ -12,20 +12,20 @@ from skolem.traces.scene.rows import Rows, When
 from skolem.traces.scene.shapes import WOOD, Shapes, Xyz, Xyzw, placed, rgba
 
 PREFIX = "truth/"
-_SAME_M = 1e-4  # a move below is not drawn
+_SAME_M = 1e-4  # smaller moves are not drawn
 
 
 class Truth:
     """Draws the true objects, each when it moves."""
 
     def __init__(self, rows: Rows) -> None:
-        """Begin without objects."""
+        """Start without objects."""
         self._shapes = Shapes(rows)
         self._objects: dict[str, TrueObject] = {}
         self._last: dict[str, tuple[float, float, float, float, float, float, float]] = {}
 
     def things(self, types: Mapping[str, ObjectType]) -> list[list[Xyz]]:
-        """Return where the corners of each object but the tables are in the world [m]."""
+        """Return the corners of each object but the tables, world frame [m]."""
         kinds = {name: types[item.type] for name, item in self._objects.items()}
         return [
             [placed((x, y, z), (qx, qy, qz, qw), corner) for corner in _corners(kinds[name])]
@@ -34,14 +34,14 @@ class Truth:
         ]
 
     def state(self, message: TrueState, when: When, types: Mapping[str, ObjectType]) -> None:
-        """Take in where everything is."""
+        """Take in the true poses of all objects."""
         for item in message.objects:
             self._objects[item.id] = item
             x, y, z, theta = item.world_T_object
             self._draw(item.id, when, types, (x, y, z), quaternion_xyzw(theta))
 
     def moved(self, message: FrameTransforms, when: When, types: Mapping[str, ObjectType]) -> None:
-        """Take in frames of objects in motion."""
+        """Take in the frames of moving objects."""
         for frame in message.transforms:
             name = frame.child_frame_id.removeprefix(PREFIX)
             if name != frame.child_frame_id and name in self._objects:
@@ -54,7 +54,7 @@ class Truth:
         self._last[name] = now
         item = self._objects[name]
         kind = types.get(item.type)
-        if kind is None:  # a recovered trace may have lost what says how things of a type look
+        if kind is None:  # a recovered trace may have lost the description of a type
             return
         colour = rgba(WOOD if kind.shape == "table" else item.hsv)
         self._shapes.draw(f"{PREFIX}{name}", when, kind, position, turn, colour, "solid")
