@@ -41,6 +41,7 @@ class Mutant:
 @dataclass(frozen=True, slots=True)
 class _Site:
     path: str
+    text: str
     module: cst.Module
     node: cst.CSTNode
     others: tuple[cst.CSTNode, ...]
@@ -64,9 +65,9 @@ def drawn(room: str, count: int, seed: int) -> list[Mutant]:
         other = draw.choice(site.others)
         changed = site.module.deep_replace(site.node, other)
         assert isinstance(changed, cst.Module)
-        if _is_another_program(site.module.code, changed.code):
+        if _is_another_program(site.text, source := changed.code):
             before, after = (_shown(site.module.code_for_node(node)) for node in (site.node, other))
-            chosen.append(Mutant(room, site.path, site.line, site.column, site.lines, before, after, changed.code))
+            chosen.append(Mutant(room, site.path, site.line, site.column, site.lines, before, after, source))
     return sorted(chosen, key=lambda mutant: (mutant.path, mutant.line, mutant.column, mutant.before))
 
 
@@ -84,7 +85,8 @@ def _shown(code: str) -> str:
 
 def _sites(path: Path) -> Iterator[_Site]:
     """Yield the expressions of a module that have mutants: those in bodies of functions, but annotations."""
-    wrapper = MetadataWrapper(cst.parse_module(path.read_text(encoding="utf-8")))
+    text = path.read_text(encoding="utf-8")
+    wrapper = MetadataWrapper(cst.parse_module(text), unsafe_skip_copy=True)  # nobody else has its nodes
     places: Mapping[cst.CSTNode, CodeRange] = wrapper.resolve(PositionProvider)
 
     def walk(node: cst.CSTNode, statement: tuple[int, int], inside: bool) -> Iterator[_Site]:
@@ -99,7 +101,7 @@ def _sites(path: Path) -> Iterator[_Site]:
         if inside and others:
             start = places[node].start
             at = str(path.relative_to(ROOT))
-            yield _Site(at, wrapper.module, node, others, start.line, start.column, statement)
+            yield _Site(at, text, wrapper.module, node, others, start.line, start.column, statement)
         for child in node.children:
             yield from walk(child, statement, inside)
 

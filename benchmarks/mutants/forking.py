@@ -6,8 +6,10 @@ tests that run its line are run, those of the cheapest files first, until one fa
 """
 
 import gc
+import math
 import os
 import resource
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -25,8 +27,8 @@ from benchmarks.mutants.drawing import ROOT, Mutant
 
 T = TypeVar("T")
 Outcome = Literal["killed", "timeout", "crashed", "survived", "uncovered"]
-LEAST_S, TIMES = 10.0, 5.0  # CPU time that a mutant may take, beside so many times what its tests take without it
-WAIT_S, WAITS = 120.0, 50.0  # time on the clock after which a mutant counts as waiting for ever; machines may be busy
+LEAST_S, TIMES = 2.0, 4.0  # CPU time that a test may take, beside so many times what it takes without a mutant
+WAIT_S, WAITS = 300.0, 100.0  # time on the clock after which a mutant counts as waiting for ever; machines may be busy
 MEMORY = 8 << 30  # bytes of address space
 
 
@@ -90,7 +92,7 @@ class Checker:
         """Measure the tests, then check each mutant."""
         for path in sorted({mutant.path for mutant in self._mutants}):
             import_module(module_of(path))
-        measured = in_fork(lambda: self._measure(session), limit_s=None)
+        measured = in_fork(lambda: self._measure(session))
         assert isinstance(measured, _Measured), f"the tests end the process: {measured}"
         self.broken = [session.items[number].nodeid for number in measured.failed]
         if not self.broken:
@@ -140,12 +142,16 @@ class Checker:
             return Result(mutant, "uncovered", 0)
         order = _cheapest_first(covering, measured.seconds, [item.path.name for item in session.items])
 
-        def until_one_fails() -> str:
-            put_in(mutant)
-            return next((session.items[number].nodeid for number, failed in self._run(session, order) if failed), "")
+        def begin(number: str) -> None:
+            allow(LEAST_S + TIMES * measured.seconds[int(number)])
 
-        limit_s = LEAST_S + TIMES * sum(measured.seconds[number] for number in covering)
-        by = in_fork(until_one_fails, limit_s)
+        def until_one_fails() -> str:
+            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+            put_in(mutant)
+            ran = self._run(session, order, begin)
+            return next((session.items[number].nodeid for number, failed in ran if failed), "")
+
+        by = in_fork(until_one_fails, WAIT_S + WAITS * sum(measured.seconds[number] for number in covering))
         if isinstance(by, Ended):
             return Result(mutant, by.how, len(covering))
         return Result(mutant, "killed" if by else "survived", len(covering), by)
@@ -206,30 +212,30 @@ class Ended:
     how: Literal["timeout", "crashed"]
 
 
-def in_fork(work: Callable[[], T], limit_s: float | None) -> T | Ended:
-    """Return what `work` returns in a fork of this process, which may take so much CPU time."""
+def in_fork(work: Callable[[], T], wait_s: float | None = None) -> T | Ended:
+    """Return what `work` returns in a fork of this process, which is ended after so many seconds on the clock."""
     context = get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=_answer, args=(work, sender, limit_s))
+    process = context.Process(target=_answer, args=(work, sender))
     process.start()
     sender.close()
-    answered = receiver.poll(None if limit_s is None else WAIT_S + WAITS * limit_s)
     try:
-        answer: T | Ended = receiver.recv() if answered else Ended("timeout")
+        answer: T | Ended = receiver.recv() if receiver.poll(wait_s) else Ended("timeout")
     except EOFError:
         process.join()
-        answer = Ended("timeout" if process.exitcode in (-24, -9) else "crashed")  # signals of the limit of CPU time
+        answer = Ended("timeout" if process.exitcode == -signal.SIGXCPU else "crashed")
     process.kill()
     process.join()
     return answer
 
 
-def _answer(work: Callable[[], object], sender: Connection, limit_s: float | None) -> None:
-    if limit_s is not None:
-        used = time.process_time()
-        limit = int(used + limit_s) + 1
-        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+def allow(seconds: float) -> None:
+    """End this process once it has taken so much more CPU time, to a second."""
+    _, most = resource.getrlimit(resource.RLIMIT_CPU)
+    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(time.process_time() + seconds), most))
+
+
+def _answer(work: Callable[[], object], sender: Connection) -> None:
     sender.send(work())
     sender.close()
     os._exit(0)

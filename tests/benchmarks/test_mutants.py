@@ -1,6 +1,7 @@
 """The mutation check's own ground: what is drawn, that a mutant is what everybody calls, and how a mutant may end."""
 
 import os
+import time
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from kit.places import ROOT
 from benchmarks.mutants import drawing
 from benchmarks.mutants.checking import apart, rows, said, summary
 from benchmarks.mutants.drawing import Mutant, drawn
-from benchmarks.mutants.forking import Ended, in_fork, put_in
+from benchmarks.mutants.forking import Ended, allow, in_fork, put_in
 from skolem.estimation.se2 import compose, exp
 
 SMALL = '''"""A module."""
@@ -61,7 +62,7 @@ def test_a_function_is_changed_for_whoever_took_it_by_name_and_only_in_the_fork(
         return exp_of_a_quarter()
 
     there = exp_of_a_quarter()
-    assert in_fork(moved, limit_s=60.0) == 0.0
+    assert in_fork(moved) == 0.0
     assert exp_of_a_quarter() == there == compose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))[0]
 
 
@@ -78,11 +79,13 @@ def test_a_change_that_is_nowhere_in_the_program_is_no_mutant() -> None:
 
 def test_a_fork_that_loops_is_stopped_and_one_that_dies_is_told_of() -> None:
     def forever() -> None:
+        allow(0.1)
         while True:
             pass
 
-    assert in_fork(forever, limit_s=0.1) == Ended("timeout")
-    assert in_fork(lambda: os._exit(3), limit_s=60.0) == Ended("crashed")
+    assert in_fork(forever) == Ended("timeout")
+    assert in_fork(lambda: time.sleep(600.0), wait_s=0.1) == Ended("timeout")
+    assert in_fork(lambda: os._exit(3)) == Ended("crashed")
 
 
 def test_mutants_are_killed_survive_or_are_not_run_at_all_and_are_not_checked_twice(tmp_path: Path) -> None:
