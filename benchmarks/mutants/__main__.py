@@ -13,7 +13,7 @@ from benchmarks.mutants.checking import apart, name, rows, said, summary
 from benchmarks.mutants.drawing import ROOT, drawn
 
 ROOMS: Final[Mapping[str, tuple[str, ...]]] = {  # and the tests of each
-    "reasoner": ("tests/reasoner/test_agent.py", "tests/reasoner/test_terms.py"),
+    "reasoner": tuple(sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("tests/reasoner/test_*.py"))),
     "reasoner/language": ("tests/reasoner/language",),
     "reasoner/rulebook": ("tests/reasoner/rulebook",),
     "reasoner/planning": ("tests/reasoner/planning",),

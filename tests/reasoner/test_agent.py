@@ -1,11 +1,14 @@
 """Whole turns of the reasoner with the real rules, on a belief that is a table."""
 
+import re
+
 import pytest
 from kit.minds import Region, Thing
 from kit.papers import GREEN_TO_TABLE1, example, three_sodas
 from kit.plays import BLUE, GREEN, LIMITS, RED, Play
 
 from skolem.reasoner.agent import Agent, Turn
+from skolem.reasoner.language.parser import parse_goal
 from skolem.reasoner.planning.hierarchy import Change
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.planning.regression import Step
@@ -251,3 +254,99 @@ def test_the_end_without_success_gives_the_best_candidate_with_each_property(rul
     assert end is not None
     assert end.status == "goal_unachievable"
     assert end.conjuncts.keys() >= {"green", "heavy", "soda"}
+
+
+# ---------------------------------------------------------------- what is remembered and recorded
+
+
+def agent_like(play: Play, rulebook: Rulebook) -> Agent:
+    """Return an agent that knows nothing of what was done in a play, in the same belief."""
+    goal = parse_goal(GREEN_TO_TABLE1, rulebook.vocabulary.words(), frozenset(play.belief.things))
+    return Agent(goal, rulebook, play.belief, play.geometry, LIMITS)
+
+
+def test_an_agent_that_recalls_a_memory_remembers_and_decides_what_the_other_one_does(rulebook: Rulebook) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    play.fails = {"Pick(sodaC)"}
+    for step in range(14):
+        memory = play.agent.memory(step)
+        assert (memory.executed is None) == (step == 0)
+        again = agent_like(play, rulebook)
+        again.recall(memory)
+        assert again.memory(step) == memory
+        recalled, turn = again.decide(step), play.agent.decide(step)
+        assert (recalled.action, recalled.plans, recalled.end) == (turn.action, turn.plans, turn.end)
+        play.carry_out(turn)
+    assert play.agent.memory(14).failures
+    play.agent.take_stock()
+    assert play.agent.memory(14).executed is None
+
+
+def test_plans_may_change_as_often_as_the_limit_says(rulebook: Rulebook, monkeypatch: pytest.MonkeyPatch) -> None:
+    def change_for_ever(agent: Agent, turn: Turn, step: int, _current: Step) -> None:
+        turn.plans.append(agent._stack.message(step, Change("refine")))
+
+    monkeypatch.setattr(Agent, "_refine", change_for_ever)
+    limits = LIMITS.model_copy(update={"plan_changes": 5})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), limits=limits)
+    play.run()
+    assert play.turns[-1].end is not None
+    assert play.turns[-1].end.reason.startswith("plans changed 6 times")
+
+
+def test_the_stack_is_as_deep_as_the_limit_says_and_no_deeper(rulebook: Rulebook) -> None:
+    def deepest(limit: int) -> int:
+        limits = LIMITS.model_copy(update={"hierarchy_depth": limit})
+        play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": GREEN}, limits=limits)
+        play.run()
+        return max(len(plan.layers) for turn in play.turns for plan in turn.plans)
+
+    needed = deepest(16)
+    assert needed > 2
+    assert [deepest(limit) for limit in (needed + 1, needed, needed - 1)] == [needed, needed, needed - 1]
+
+
+def test_the_end_says_that_a_search_stopped_at_its_limit(rulebook: Rulebook) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), limits=LIMITS.model_copy(update={"expansions": 3}))
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    assert end.reason.startswith("no plan with a probability of at least 0.0001 reaches the goal; ")
+    assert "; not found in detail within the limit: ExamineObj(e1, sodaB), " in end.reason
+    stopped = re.search(r"; stopped after (\d+) expansions \(limits.expansions\)$", end.reason)
+    assert stopped is not None
+    assert 3 < int(stopped[1]) in {decision.expansions for decision in play.turns[-1].decisions}
+
+
+def test_the_end_says_of_each_step_whether_it_was_impossible_or_too_unlikely(rulebook: Rulebook) -> None:
+    def reason(floor: float, *impossible: str) -> str:
+        limits = LIMITS.model_copy(update={"min_plan_probability": floor})
+        play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE}, limits=limits)
+        play.geometry.impossible = set(impossible)
+        play.run()
+        assert play.turns[-1].end is not None
+        return play.turns[-1].end.reason
+
+    looks = [f"look(soda{name})" for name in "EBC"]
+    assert "found impossible in the believed world: ExamineObj(e1, sodaB)" in reason(1e-4, *looks)
+    assert "too unlikely" not in reason(1e-4, *looks)
+    assert "; too unlikely in detail: ExamineObj(e1, sodaC);" in reason(0.1)
+
+
+def test_a_decision_records_its_own_calls_and_atoms_and_how_near_its_plan_is_to_the_best(rulebook: Rulebook) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    several = 0
+    for turn in play.turns_to_the_end():
+        offers = play.agent.posed.offers
+        assert sum(decision.clingo_calls for decision in turn.decisions) <= offers.calls
+        assert sum(decision.ground_atoms for decision in turn.decisions) <= offers.ground_atoms
+        assert all(decision.within is not None and decision.within >= 1.0 for decision in turn.decisions)
+        several += len(turn.decisions) > 1
+    assert several
+
+
+@pytest.mark.parametrize(("hue", "cause"), [(GREEN, "done"), (RED, "giveup")])
+def test_the_last_plan_says_whether_the_goal_was_reached(rulebook: Rulebook, hue: float, cause: str) -> None:
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), dict.fromkeys(("sodaE", "sodaB", "sodaC"), hue))
+    play.run()
+    assert play.turns[-1].plans[-1].cause == cause
