@@ -1,1 +1,1 @@
-"""How many small faults in the product its tests notice: `python -m benchmarks.mutants`."""
+"""Measurement of the share of small faults that the tests notice: `python -m benchmarks.mutants`."""

@@ -1,4 +1,4 @@
-"""Draw mutants, check them against the tests of their rooms and the survivors against the recorded runs.
+"""Draw mutants, check them by the tests of their rooms, and check the survivors by the recorded runs.
 
 `python -m benchmarks.mutants --each 84 -o out/mutants.jsonl`; the same command goes on where it was interrupted.
 """
@@ -24,7 +24,7 @@ REPLAYS: Final = ("tests/traces/compare/test_golden.py", "tests/tools/recorded")
 
 
 def main() -> None:
-    """Check mutants of the rooms named on the command line; of all by default."""
+    """Check mutants of the rooms named on the command line; by default of all rooms."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
     parser.add_argument("rooms", nargs="*", metavar="ROOM", help=f"of {', '.join(ROOMS)}; all by default")
     parser.add_argument("--seed", type=int, default=0, help="decides which mutants are drawn")

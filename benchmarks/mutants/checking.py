@@ -1,4 +1,4 @@
-"""Results of mutants, a line for each in a file, so that a long run may be interrupted."""
+"""Results of mutants as lines of a file, so that a long run may be interrupted."""
 
 import json
 import sys
@@ -16,7 +16,7 @@ Row = dict[str, str | int]
 
 
 def apart(stage: str, tests: Sequence[str], mutants: Sequence[Mutant], out: Path) -> None:
-    """Check what was not checked yet, in a process of its own, which imports these tests alone."""
+    """Check the unchecked mutants in a separate process, which imports these tests alone."""
     done = {name(row) for row in rows(out) if row["stage"] == stage}
     left = [mutant for mutant in mutants if name(said(stage, mutant)) not in done]
     if left:
@@ -45,7 +45,7 @@ def check(stage: str, tests: Sequence[str], mutants: Sequence[Mutant], out: Path
 
 
 def said(stage: str, mutant: Mutant) -> Row:
-    """Return what the file says of a mutant before it is checked."""
+    """Return the fields of a mutant that are known before it is checked."""
     return {
         "stage": stage,
         "room": mutant.room,
@@ -58,7 +58,7 @@ def said(stage: str, mutant: Mutant) -> Row:
 
 
 def name(row: Row) -> tuple[str | int, ...]:
-    """Return what tells mutants apart."""
+    """Return the fields that identify a mutant."""
     return tuple(row[key] for key in ("path", "line", "column", "before", "after"))
 
 
@@ -68,7 +68,7 @@ def rows(path: Path) -> list[Row]:
 
 
 def summary(checked: Sequence[Row]) -> str:
-    """Return a table of the rooms, and the mutants that nothing noticed."""
+    """Return the results of each room, and the mutants that no test noticed."""
     lines = [
         "| room | mutants | noticed by its tests | by replays only | by neither | its tests | both |",
         "|---|---|---|---|---|---|---|",

@@ -1,4 +1,4 @@
-"""Mutants of a room: which small change of which expression, drawn by a seed."""
+"""Mutants of a room: small changes of expressions, drawn by a seed."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -21,10 +21,10 @@ class Mutant:
         room: The room of the module.
         path: The module, from the root of the checkout.
         line: Number of the line where the changed expression starts, from 1.
-        column: Where in that line, from 0.
+        column: Column in that line, from 0.
         lines: First and last line of its statement; of a compound statement, of its head.
         before: The expression.
-        after: What stands in its place.
+        after: The new expression.
         source: The whole changed module.
     """
 
@@ -51,10 +51,10 @@ class _Site:
 
 
 def drawn(room: str, count: int, seed: int) -> list[Mutant]:
-    """Return so many mutants of a room, each of another expression, or all there are.
+    """Return `count` mutants of a room, each of another expression, or all if there are fewer.
 
-    Every expression is as likely as any other, and so is every mutant of an expression. Mutants whose bytecode is that
-    of the original, or that are no Python, are left out.
+    Every expression is equally likely, and so is every mutant of an expression. Mutants with the bytecode of the
+    original, or that are no Python, are left out.
     """
     draw = Random(f"{seed} {room}")
     sites = [site for path in sorted((ROOT / room).glob("*.py")) for site in _sites(path)]
@@ -84,7 +84,7 @@ def _shown(code: str) -> str:
 
 
 def _sites(path: Path) -> Iterator[_Site]:
-    """Yield the expressions of a module that have mutants: those in bodies of functions, but annotations."""
+    """Yield the expressions of a module that have mutants: those in bodies of functions, except annotations."""
     text = path.read_text(encoding="utf-8")
     wrapper = MetadataWrapper(cst.parse_module(text), unsafe_skip_copy=True)  # nobody else has its nodes
     places: Mapping[cst.CSTNode, CodeRange] = wrapper.resolve(PositionProvider)

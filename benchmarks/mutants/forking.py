@@ -1,8 +1,8 @@
-"""Mutants against tests, in one warm process that forks for each: a plugin of pytest.
+"""A plugin of pytest that checks mutants by tests, in one process that forks for each mutant.
 
-The product and the tests are imported once. Then a fork runs all tests with coverage, which tells what each costs and
-which lines it runs. Every mutant gets a fork of its own, in which the code of the changed function is replaced and the
-tests that run its line are run, those of the cheapest files first, until one fails.
+The product and the tests are imported once. Then a fork runs all tests with coverage, which gives the cost and the
+lines of each. Every mutant gets a fork, which replaces the code of the changed function and runs the tests of its line,
+those of the cheapest files first, until one fails.
 """
 
 import gc
@@ -34,13 +34,13 @@ MEMORY = 8 << 30  # bytes of address space
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What came of a mutant.
+    """The result of a mutant.
 
     Attributes:
         mutant: The mutant.
         outcome: `killed` by a failing test, by a `timeout` or by the end of the process (`crashed`); or `survived`, or
             no test runs its line (`uncovered`).
-        tests: How many tests run its line.
+        tests: Number of tests that run its line.
         by: The test that failed.
     """
 
@@ -52,7 +52,7 @@ class Result:
 
 @dataclass(slots=True)
 class _Measured:
-    """What the tests cost and run, without any mutant.
+    """The cost and the lines of the tests without a mutant.
 
     Attributes:
         seconds: CPU time of each test.
@@ -76,15 +76,15 @@ class Checker:
 
     @pytest.hookimpl(trylast=True)
     def pytest_configure(self) -> None:
-        """Let property tests be content with any example that fails: the smallest takes minutes to find."""
-        from hypothesis import Phase, settings  # pytest wants to import it itself
+        """Let property tests stop at any failing example: a search for the smallest takes minutes."""
+        from hypothesis import Phase, settings  # pytest must import it first
 
         quick = settings(settings(), phases=(Phase.explicit, Phase.generate))
         settings.register_profile("mutants", quick)
         settings.load_profile("mutants")
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Notice a test that fails."""
+        """Note a failing test."""
         self._failed |= report.failed
 
     @pytest.hookimpl(tryfirst=True)
@@ -122,7 +122,7 @@ class Checker:
         begin: Callable[[str], object] = lambda _: None,
         seconds: list[float] | None = None,
     ) -> Iterator[tuple[int, bool]]:
-        """Run tests in an order, and yield the number of each and whether it failed."""
+        """Run tests in the given order, and yield for each its number and whether it failed."""
         reporter = session.config.pluginmanager.get_plugin("terminalreporter")
         if reporter is not None:
             session.config.pluginmanager.unregister(reporter)
@@ -158,7 +158,7 @@ class Checker:
 
 
 def _cheapest_first(numbers: Iterable[int], seconds: Sequence[float], files: Sequence[str]) -> list[int]:
-    """Return tests in the order in which they are run: those of a file together, since they share fixtures."""
+    """Return the tests in the order of their run: tests of one file stay together, since they share fixtures."""
     chosen = sorted(numbers)
     total = {name: sum(seconds[number] for number in chosen if files[number] == name) for name in set(files)}
     return sorted(chosen, key=lambda number: (total[files[number]], files[number], seconds[number], number))
@@ -173,7 +173,7 @@ def module_of(path: str) -> str:
 
 
 def put_in(mutant: Mutant) -> None:
-    """Let every function of the mutant's module that it changes do what the mutant says, whoever refers to it.
+    """Replace the code of every function that the mutant changes, so that all references to it run the mutant.
 
     Raises:
         LookupError: If no function was changed.
@@ -195,7 +195,7 @@ def put_in(mutant: Mutant) -> None:
 
 
 def _functions(code: CodeType) -> Iterator[CodeType]:
-    """Yield the code of all functions in a module, those in classes too."""
+    """Yield the code of all functions in a module, also of those in classes."""
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
             yield inner

@@ -96,7 +96,7 @@ class Row:
 
     @property
     def well_ended(self) -> bool:
-        """Whether the run achieved what can be achieved, or said that nothing can be where that is so."""
+        """Whether the run achieved an achievable goal, or gave up an impossible one."""
         return self.succeeded if self.achievable else self.status == self.expected
 
     def facts(self) -> dict[str, object]:
