@@ -5,6 +5,7 @@ import re
 import pytest
 from kit.minds import Region, Thing
 from kit.papers import GREEN_TO_TABLE1, example, three_sodas
+from kit.places import DATA
 from kit.plays import BLUE, GREEN, LIMITS, RED, Play
 
 from skolem.reasoner.agent import Agent, Turn
@@ -350,3 +351,23 @@ def test_the_last_plan_says_whether_the_goal_was_reached(rulebook: Rulebook, hue
     play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), dict.fromkeys(("sodaE", "sodaB", "sodaC"), hue))
     play.run()
     assert play.turns[-1].plans[-1].cause == cause
+
+
+def test_a_step_that_this_robot_cannot_do_is_refused_for_what_it_lacks_and_never_planned_again() -> None:
+    rules = Rulebook.load(Queries, [DATA / "own_rules" / "weigh_left.lp"])
+    things = {
+        "table1": Thing({"table": 1.0}),
+        "table2": Thing({"table": 1.0}),
+        "can": Thing({"soda": 1.0}, on="table2"),
+    }
+    goal = "exists o. B(Den(lambda x. Heavy(x), o), 0.9) & B(In(o, table1), 0.9)"
+    play = Play(rules, goal, things, log_kg={"can": -0.5})
+    play.geometry.impossible = {"pick(right, can)"}
+    play.run()
+    refused = [plan.false_fluents for turn in play.turns for plan in turn.plans if plan.cause == "refused"]
+    assert refused.count(("balance(can)", "held(right,can)")) == 1
+    end = play.turns[-1].end
+    assert end is not None
+    assert "weigh(can) was asked for with can in the left hand" in end.reason
+    assert "without success" not in end.reason
+    assert list(play.agent.memory(0).objections) == ["balance(can)"]
