@@ -154,9 +154,11 @@ def picture(
     client = bodies.connect(gravity=False)
     bodies.floor(client)
     table = ObjectType(shape="table", size_m=(*TABLE_SIZE, table_m), graspable=False)
-    bodies.thing(client, table, (TABLE_X, 0.0, 0.0, 0.0), bodies.WOOD, 0.0)
+    bodies.object_body(client, table, (TABLE_X, 0.0, 0.0, 0.0), bodies.WOOD, 0.0)
     for thing in things:
-        bodies.thing(client, types[thing.type], thing.world_T_object, (*colorsys.hsv_to_rgb(*thing.hsv), 1.0), 0.0)
+        bodies.object_body(
+            client, types[thing.type], thing.world_T_object, (*colorsys.hsv_to_rgb(*thing.hsv), 1.0), 0.0
+        )
     image = camera.render(client, head(table_m), light_world=light)
     bodies.disconnect(client)
     return image

@@ -93,7 +93,7 @@ def step(rulebook: Rulebook) -> Table:
         time.sleep(PAUSE_S)
     rows: list[list[object]] = []
     for i, steps in enumerate(beliefs):
-        cells = [cell for kind in kinds for cell in (kind.told(i), f"{kind.growth(i):.2f}")]
+        cells = [cell for kind in kinds for cell in (kind.text(i), f"{kind.growth(i):.2f}")]
         apart = min(_one_by_one(rulebook, steps.queries, steps.subgoal) for _ in range(REPEATS)) / kinds[0].ms(i)
         offers = steps.warm()
         offers.prepare(steps.subgoal)
@@ -152,7 +152,7 @@ class _Measured:
         """Return the shortest time in the i-th belief, milliseconds."""
         return min(self._taken[i])
 
-    def told(self, i: int) -> str:
+    def text(self, i: int) -> str:
         """Return the shortest time and the median in the i-th belief, as text."""
         return f"{self.ms(i):.2f} ({statistics.median(self._taken[i]):.2f})"
 
@@ -166,14 +166,14 @@ class _Measured:
         small = next(i for i, (steps, _) in enumerate(self._asked) if steps.n == steps.about == CANDIDATES)
         largest = [i for i, (steps, _) in enumerate(self._asked) if steps.n == MOST]
         growth = max(map(self.growth, largest))
-        told = ", ".join(f"{self.growth(i):.2f} from {self._asked[i][0].about}" for i in largest)
+        ratios = ", ".join(f"{self.growth(i):.2f} from {self._asked[i][0].about}" for i in largest)
         return [
             Target(
                 f"{self._kind} of {CANDIDATES} objects, all of them candidates: at most {STEP_MS:g} ms",
                 self.ms(small) <= STEP_MS,
                 f"{self.ms(small):.2f} ms",
             ),
-            Target(f"{self._kind}: growth of at most {GROWTH:g} to {MOST:,} objects", growth <= GROWTH, told),
+            Target(f"{self._kind}: growth of at most {GROWTH:g} to {MOST:,} objects", growth <= GROWTH, ratios),
         ]
 
     def notes(self) -> list[str]:
@@ -247,11 +247,11 @@ def first_actions(rulebook: Rulebook) -> Table:
 
 def _calls(thought: Thinking, where: str) -> str:
     """Return the number of clingo calls of each search before the first action, as text."""
-    told = [
+    calls = [
         f"{decision.clingo_calls} for {' & '.join(decision.subgoal)} ({decision.expansions} expansions)"
         for decision in thought.decisions
     ]
-    return f"Calls of clingo, {where}: {'; '.join(told)}."
+    return f"Calls of clingo, {where}: {'; '.join(calls)}."
 
 
 def _subgoal(about: int) -> tuple[Term, ...]:

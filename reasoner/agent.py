@@ -276,7 +276,7 @@ class Agent:
         floor = self._limits.min_plan_probability
         reason = f"no plan with a probability of at least {floor:g} reaches the goal"
         for why in (IMPOSSIBLE, UNLIKELY, NOT_FOUND):
-            names = sorted({title(name) for name, told in self._refused.values() if told == why})
+            names = sorted({title(name) for name, reason in self._refused.values() if reason == why})
             reason += f"; {why}: {', '.join(names)}" if names else ""
         reason += "".join(f"; {why}" for _, why in sorted(self._objections.items(), key=str))
         often = [str(step) for step in self._attempts.hopeless() if step not in self._objections]

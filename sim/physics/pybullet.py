@@ -57,7 +57,7 @@ class PyBulletWorld:
     def __init__(
         self,
         types: dict[str, ObjectType],
-        things: Sequence[TrueBody],
+        bodies: Sequence[TrueBody],
         world_T_base: Pose2,
         torso: float,
         noise: NoiseModel,
@@ -70,7 +70,7 @@ class PyBulletWorld:
 
         Args:
             types: Every type by name.
-            things: The true bodies, in any order.
+            bodies: The true bodies, in any order.
             world_T_base: True pose of the base.
             torso: Torso lift [m].
             noise: True noise of sensors and wheels.
@@ -81,7 +81,7 @@ class PyBulletWorld:
         """
         self._types, self._noise, self._seed, self._images = types, noise, seed, images
         self._stated = stated or noise
-        self._world = World(types, things, world_T_base, torso, recorder)
+        self._world = World(types, bodies, world_T_base, torso, recorder)
         self._executor = Executor(self._world)
         enable_wrist_sensor(self._world, SENSING_HAND)
         self._world.record_state()

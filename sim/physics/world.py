@@ -64,7 +64,7 @@ class World:
     def __init__(
         self,
         types: dict[str, ObjectType],
-        things: Sequence[TrueBody],
+        true_bodies: Sequence[TrueBody],
         world_T_base: Pose2,
         torso: float,
         recorder: Recorder | None,
@@ -75,7 +75,7 @@ class World:
         self.robot = PR2(self.client)
         self.robot.set_base(world_T_base)
         self.robot.set_joints({TORSO: torso})
-        ordered = sorted(things, key=lambda true_body: (types[true_body.type].shape != "table", true_body.id))
+        ordered = sorted(true_bodies, key=lambda true_body: (types[true_body.type].shape != "table", true_body.id))
         self.placed = {true_body.id: self._load(types[true_body.type], true_body) for true_body in ordered}
         self.grasps: dict[Hand, Grasp] = {}
         self.tick = 0
@@ -84,13 +84,15 @@ class World:
 
     def _load(self, kind: ObjectType, true_body: TrueBody) -> Placed:
         rgba = (*colorsys.hsv_to_rgb(*true_body.hsv), 1.0)
-        return Placed(bodies.thing(self.client, kind, true_body.world_T_object, rgba, true_body.kg), kind, true_body)
+        return Placed(
+            bodies.object_body(self.client, kind, true_body.world_T_object, rgba, true_body.kg), kind, true_body
+        )
 
     def close(self) -> None:
         """Close the physics client."""
         bodies.disconnect(self.client)
 
-    # ------------------------------------------------------------ where things are
+    # ------------------------------------------------------------ where objects are
 
     def pose(self, thing_id: str) -> Pose4:
         """Return world_T_object; for an object on its side, its heading and the z that it would have upright."""

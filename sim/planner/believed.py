@@ -198,7 +198,7 @@ class BelievedWorld:
         if key not in self._bodies:
             away = (0.0, 0.0, _AWAY_M, 0.0)
             kg = 0.0 if hand is None else CARRIED_KG
-            body = bodies.thing(self.client, object_type, away, _GREY, kg, wider)
+            body = bodies.object_body(self.client, object_type, away, _GREY, kg, wider)
             for link in self._gripper[hand] if hand else self._still[before] if before else ():
                 p.setCollisionFilterPair(self.robot.id, body, link, -1, 0, physicsClientId=self.client)
             self._bodies[key] = body

@@ -49,7 +49,7 @@ def table(client: int, size_m: Vector3, world_T_table: Pose4, rgba: Rgba = WOOD,
     return _boxes(client, [top, leg, leg, leg, leg], centres, world_T_table, rgba)
 
 
-def thing(
+def object_body(
     client: int, object_type: ObjectType, world_T_object: Pose4, rgba: Rgba, kg: float, inflate_m: float = 0.0
 ) -> int:
     """Add a body of a type and return it.

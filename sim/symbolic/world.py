@@ -80,7 +80,7 @@ class SymbolicWorld:
     def __init__(
         self,
         types: Mapping[str, ObjectType],
-        things: Sequence[TrueBody],
+        bodies: Sequence[TrueBody],
         world_T_base: Pose2,
         torso: float,
         noise: NoiseModel,
@@ -91,14 +91,14 @@ class SymbolicWorld:
 
         Args:
             types: Every type by name.
-            things: The true bodies.
+            bodies: The true bodies.
             world_T_base: True pose of the base; the arms are in their carry poses.
             torso: Torso lift [m].
             noise: True noise of sensors and wheels.
             seed: Seed of the run.
             stated: Stated noise, from which the detector computes covariances; None: the true noise.
         """
-        self._bodies = {body.id: body for body in things}
+        self._bodies = {body.id: body for body in bodies}
         self._types = dict(types)
         self._noise, self._stated = noise, stated or noise
         self._world_T_base = world_T_base

@@ -67,7 +67,7 @@ def picture(things: list[Placed], frame: Frame = HEAD) -> camera.Image:
     client = bodies.connect()
     bodies.floor(client)
     for name, world_T_object, hsv in things:
-        bodies.thing(client, TYPES[name], world_T_object, (*colorsys.hsv_to_rgb(*hsv), 1.0), 0.0)
+        bodies.object_body(client, TYPES[name], world_T_object, (*colorsys.hsv_to_rgb(*hsv), 1.0), 0.0)
     image = camera.render(client, frame)
     bodies.disconnect(client)
     return image

@@ -137,14 +137,14 @@ def _nearest(insight: Insight, conjuncts: Mapping[str, Mapping[str, float]], sco
     """
     near = {name: nearness(found, name, insight.belief) for name, found in conjuncts.items()}
 
-    def told(name: str) -> str:
+    def described(name: str) -> str:
         return ", ".join(f"{word} {p:.3g}" for word, p in conjuncts[name].items())
 
     nearest = max(near, key=lambda name: near[name][1:])
     movable = max(near, key=near.__getitem__)
-    finding = f"of {scope} {nearest} comes nearest to what is meant: {told(nearest)}"
+    finding = f"of {scope} {nearest} comes nearest to what is meant: {described(nearest)}"
     if near[movable][0] and not near[nearest][0]:
-        finding += f"; of those that a hand can hold {movable}: {told(movable)}"
+        finding += f"; of those that a hand can hold {movable}: {described(movable)}"
     return nearest, finding
 
 

@@ -210,12 +210,12 @@ def _gaussian(insight: Insight, quantity: str, anchor: str) -> str:
     mean, sd = (_thousandths(values) for values in (known.mean, known.covariance.diagonal() ** 0.5))
     match quantity:
         case "pose":
-            told = f"{amounts.pose_place(mean)}, known within {amounts.pose_spread(sd)}"
+            known_as = f"{amounts.pose_place(mean)}, known within {amounts.pose_spread(sd)}"
         case "colour":
-            told = f"{amounts.colour_place(mean, {})}, known within {amounts.colour_spread(sd)}"
+            known_as = f"{amounts.colour_place(mean, {})}, known within {amounts.colour_spread(sd)}"
         case _:
-            told = f"{amounts.weight(mean[0])}, known within {amounts.weight_spread(sd[0])}"
-    return f"it is {told}; it exists with p = {known.probability:.3f}"
+            known_as = f"{amounts.weight(mean[0])}, known within {amounts.weight_spread(sd[0])}"
+    return f"it is {known_as}; it exists with p = {known.probability:.3f}"
 
 
 def _thousandths(values: Iterable[float]) -> list[Recorded]:

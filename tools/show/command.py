@@ -86,8 +86,8 @@ def _show_object(run: Trace, anchor: str, raw: bool, json: bool) -> None:
         print(json_format.dumps({"trace": str(run.path), "object": anchor, "history": steps}))
     else:
         words, after = wording_of(run, raw=raw), HISTORY_COLUMNS.index("after")
-        told = [(*row[:after], words.operation(row[after]) if row[after] else "", *row[after + 1 :]) for row in rows]
-        say(table_lines(HISTORY_COLUMNS, told), hanging=8)
+        cells = [(*row[:after], words.operation(row[after]) if row[after] else "", *row[after + 1 :]) for row in rows]
+        say(table_lines(HISTORY_COLUMNS, cells), hanging=8)
 
 
 def _words(run: Trace) -> Mapping[str, Meaning]:

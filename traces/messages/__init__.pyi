@@ -22,7 +22,7 @@ from .base import (
     Pose2 as Pose2,
     Pose4 as Pose4,
     Probability as Probability,
-    Step as Step,
+    StepNumber as StepNumber,
     Upper3x3 as Upper3x3,
     WorldName as WorldName,
     canonical as canonical,

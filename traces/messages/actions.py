@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from skolem.traces.messages.base import Hand, Joints7, Message, Pose2, Pose4, Step
+from skolem.traces.messages.base import Hand, Joints7, Message, Pose2, Pose4, StepNumber
 
 
 class MoveBase(Message):
@@ -58,7 +58,7 @@ Command = Annotated[MoveBase | LookAt | Pick | Place | Weigh, Field(discriminato
 class Action(Message):
     """One primitive action: what the planner calls it, and the command that carries it out."""
 
-    step: Step
+    step: StepNumber
     op: str = Field(description="the rule's operator and arguments, for people")
     args: tuple[str, ...] = Field(description="anchors the action is about: object, then support")
     command: Command

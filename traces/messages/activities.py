@@ -31,5 +31,5 @@ class Activity:
     def __str__(self) -> str:
         """Return `pick(right, o2)` and the like."""
         arguments = (self.hand, self.anchor, self.support, self.clear_of)
-        told = f"{self.kind}({', '.join(str(x) for x in arguments if x is not None)})"
-        return f"{told} from elsewhere" if self.elsewhere else told
+        text = f"{self.kind}({', '.join(str(x) for x in arguments if x is not None)})"
+        return f"{text} from elsewhere" if self.elsewhere else text

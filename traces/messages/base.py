@@ -19,7 +19,7 @@ HANDS: tuple[Hand, ...] = ("right", "left")
 SENSING_HAND: Hand = "right"  # the only wrist with a force-torque sensor
 Probability = Annotated[float, Field(ge=0.0, le=1.0)]
 MicroNats = Annotated[int, Field(ge=0, le=50_000_000, description="-ln p in millionths, capped at 50 nats")]
-Step = Annotated[int, Field(ge=0, description="number of actions executed before")]
+StepNumber = Annotated[int, Field(ge=0, description="number of actions executed before")]
 Pose2 = Annotated[tuple[float, float, float], Field(description="x, y [m], theta [rad]")]
 Pose4 = Annotated[tuple[float, float, float, float], Field(description="x, y, z [m], theta [rad]")]
 Upper3x3 = tuple[float, float, float, float, float, float]  # of a symmetric 3x3 matrix the upper triangle, row by row

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from skolem.traces.messages.base import Anchor, Hand, Message, Pose2, Pose4, Probability, Step, Upper3x3
+from skolem.traces.messages.base import Anchor, Hand, Message, Pose2, Pose4, Probability, StepNumber, Upper3x3
 from skolem.traces.messages.prior import HsvBelief
 from skolem.traces.messages.sensing import RobotState
 
@@ -49,7 +49,7 @@ class IdentityChange(Message):
 class Belief(Message):
     """A snapshot of the whole belief: all that the reasoner, the geometry and the viewer may know."""
 
-    step: Step
+    step: StepNumber
     version: int = Field(description="number of events applied")
     world_T_base: Pose2
     base_covariance: Upper3x3 = Field(description="as in ObjectBelief, base frame")

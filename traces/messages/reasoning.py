@@ -5,7 +5,7 @@ from typing import Final, Literal
 from pydantic import Field
 
 from skolem.traces.messages.actions import Command
-from skolem.traces.messages.base import Anchor, Message, MicroNats, Probability, Step
+from skolem.traces.messages.base import Anchor, Message, MicroNats, Probability, StepNumber
 
 
 class PlanStep(Message):
@@ -37,7 +37,7 @@ DROPPED: Final[tuple[PlanCause, ...]] = ("preimage_lost", "refused")  # causes t
 class Plan(Message):
     """The plan stack, logged whenever it changes."""
 
-    step: Step
+    step: StepNumber
     cause: PlanCause
     false_fluents: tuple[str, ...] = Field(default=(), description="which fluents of the lost pre-images are false now")
     layers: tuple[tuple[PlanStep, ...], ...] = Field(description="top first; a layer refines one step of the one above")
@@ -55,7 +55,7 @@ class RememberedStep(PlanStep):
 class Memory(Message):
     """What the reasoner remembers when a decision begins: with the belief, all that the decision depends on."""
 
-    step: Step
+    step: StepNumber
     layers: tuple[tuple[RememberedStep, ...], ...] = Field(description="the plan stack, top first")
     current: tuple[int, ...] = Field(description="index of the chosen step, per layer")
     executed: RememberedStep | None = Field(description="the step that was carried out last, if it is yet to be judged")
@@ -77,7 +77,7 @@ class Candidate(Message):
 class Decision(Message):
     """One search: what was asked, what was offered, what was chosen and what it took."""
 
-    step: Step
+    step: StepNumber
     belief_version: int
     subgoal: tuple[str, ...]
     candidates: tuple[Candidate, ...] = Field(description="sorted by (cost, op)")
@@ -94,7 +94,7 @@ class Decision(Message):
 class Denotation(Message):
     """Whom the robot takes to be meant, at each decision."""
 
-    step: Step
+    step: StepNumber
     probability: dict[str, dict[Anchor, Probability]] = Field(
         description="P(Den) by description of the goal (e1, e2, ..), then by anchor"
     )
@@ -103,7 +103,7 @@ class Denotation(Message):
 class Geometry(Message):
     """One geometric question and its answer."""
 
-    step: Step
+    step: StepNumber
     query: str
     belief_version: int
     answer: Command | None = None

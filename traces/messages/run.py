@@ -4,7 +4,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from skolem.traces.messages.base import SCHEMA_VERSION, TICKS_PER_SECOND, Anchor, Message, Probability, Step, WorldName
+from skolem.traces.messages.base import (
+    SCHEMA_VERSION,
+    TICKS_PER_SECOND,
+    Anchor,
+    Message,
+    Probability,
+    StepNumber,
+    WorldName,
+)
 
 
 class Limits(Message):
@@ -40,7 +48,7 @@ class RunStart(Message):
 class Chain(Message):
     """Hash chain over INPUT and DERIVED messages: equal strings mean that two runs agree up to this step."""
 
-    step: Step
+    step: StepNumber
     chain: str
 
 
@@ -62,5 +70,5 @@ class RunEnd(Message):
 class Perf(Message):
     """Wall time by part; the only place where a clock is read."""
 
-    step: Step
+    step: StepNumber
     milliseconds: dict[str, float]

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from skolem.traces.messages.base import Hand, Joints7, Message, Pose2, Pose4, Step, Upper3x3
+from skolem.traces.messages.base import Hand, Joints7, Message, Pose2, Pose4, StepNumber, Upper3x3
 
 
 class RobotState(Message):
@@ -55,7 +55,7 @@ class Wrench(Message):
 class Observation(Message):
     """What the sensors said after an action; with ActionResult the only input of a replay."""
 
-    step: Step
+    step: StepNumber
     kind: Literal["look", "weigh", "none"]
     detections: tuple[Detection, ...] = ()
     view: DepthView | None = None
@@ -65,7 +65,7 @@ class Observation(Message):
 class ActionResult(Message):
     """What the robot's own joints say about the action."""
 
-    step: Step
+    step: StepNumber
     status: Literal["done", "failed", "stopped_early"]
     robot: RobotState
     odometry: Pose2 | None = Field(default=None, description="start_T_end of the base by its wheels; null: not moved")

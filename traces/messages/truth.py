@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from skolem.traces.messages.base import Hand, Message, Pose2, Pose4, Step
+from skolem.traces.messages.base import Hand, Message, Pose2, Pose4, StepNumber
 
 
 class TrueObject(Message):
@@ -20,7 +20,7 @@ class TrueObject(Message):
 class TrueState(Message):
     """The simulated world: for verdicts and viewers, never for the robot."""
 
-    step: Step
+    step: StepNumber
     world_T_base: Pose2
     objects: tuple[TrueObject, ...]
     sha256: str = Field(description="of joint and body positions and velocities, little-endian float64")

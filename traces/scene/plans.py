@@ -82,9 +82,9 @@ class Plans:
     def _what_was_dropped(self, plan: Plan) -> list[Node]:
         """Return the reason and the uppermost dropped plan as a row of nodes."""
         kept, number = len(plan.layers), len(self._dropped)
-        told = textwrap.wrap(self._words.drop(plan), _LONGEST_REASON, break_long_words=False)
-        more = [".."] if len(told) > _MOST_LINES else []
-        reason = "\n".join(["dropped:", *told[:_MOST_LINES], *more])
+        lines = textwrap.wrap(self._words.drop(plan), _LONGEST_REASON, break_long_words=False)
+        more = [".."] if len(lines) > _MOST_LINES else []
+        reason = "\n".join(["dropped:", *lines[:_MOST_LINES], *more])
         below = len(self._layers) - kept - 1
         steps = [
             Node(f"x{number}.{i}", in_lines(self._words.operation(step.op)), _LOST)

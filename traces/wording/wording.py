@@ -95,9 +95,9 @@ class InWords(Wording):
         """
         found = tuple(texts)
         variables = dict.fromkeys(name for text in found for name in _VARIABLE.findall(text))
-        told = [text for text in found if not _OBVIOUS.fullmatch(text)] or found
+        stated = [text for text in found if not _OBVIOUS.fullmatch(text)] or found
         head = f"some object {' and some object '.join(variables)}: " if variables else ""
-        return head + " and ".join(map(self.fluent, told))
+        return head + " and ".join(map(self.fluent, stated))
 
     def operation(self, text: str) -> str:
         """Return an operation as an infinitive: `look at sodaE`."""
@@ -155,10 +155,10 @@ class InWords(Wording):
         if plan.cause == "refused":
             step, *lacking = map(self._refused, plan.false_fluents)
             return f"cannot be done here: {step}{', which needs that ' if lacking else ''}{' and '.join(lacking)}"
-        told = fluents.weakest((text, read(text)) for text in plan.false_fluents)
-        if not told:
+        lost = fluents.weakest((text, read(text)) for text in plan.false_fluents)
+        if not lost:
             return "no step of the plan can be taken any more"
-        said = [self.fluent(text) for text in told]
+        said = [self.fluent(text) for text in lost]
         if all(text.startswith("P(") for text in said):
             return f"{' and '.join(said)} {'is' if len(said) == 1 else 'are'} no longer believed"
         return f"this is not so now: {'; '.join(said)}"

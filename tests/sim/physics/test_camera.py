@@ -16,7 +16,7 @@ def test_depth_agrees_with_ray_casting() -> None:
     client = bodies.connect()
     bodies.floor(client)
     for name, world_T_object, _ in SCENE:
-        bodies.thing(client, TYPES[name], world_T_object, bodies.WOOD, 0.0)
+        bodies.object_body(client, TYPES[name], world_T_object, bodies.WOOD, 0.0)
     image = camera.render(client, HEAD)
     rays = pixel_rays(320, 240)[::PIXEL_STRIDE, ::PIXEL_STRIDE].reshape(-1, 3) @ HEAD.axes.T
     near, far = HEAD.origin + rays * camera.NEAR_M, HEAD.origin + rays * camera.FAR_M

@@ -16,10 +16,10 @@ def operators(*extra: object) -> list[str]:
     """Return what a mind does in the world without physics; `extra` follows the geometry."""
     setup = prepare(GREEN, seed=0, world="symbolic")
     scenario, types = setup.scenario, setup.types
-    noise, told = scenario.true_noise.message(), believed_noise(scenario)
+    noise, believed = scenario.true_noise.message(), believed_noise(scenario)
     done: list[str] = []
     with closing(
-        SymbolicWorld(types, true_bodies(scenario, types), (0.0, 0.0, 0.0), scenario.robot.torso_m, noise, 0, told)
+        SymbolicWorld(types, true_bodies(scenario, types), (0.0, 0.0, 0.0), scenario.robot.torso_m, noise, 0, believed)
     ) as world:
         start = prior_of(scenario, types, 0, world.robot_state())
         mind = Mind(setup.goal, setup.rulebook, start, scenario.limits, SymbolicGeometry(types), *extra)  # type: ignore[arg-type]
