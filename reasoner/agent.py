@@ -78,7 +78,7 @@ class Agent:
         self._stack = PlanStack()
         self.denotations = Denotations(goal.expressions, rulebook)
         self._mutexes = read_mutexes(rulebook)
-        self._refused: dict[tuple[Term, int], tuple[Term, str]] = {}  # (step, level) -> what it is called, why
+        self._refused: dict[tuple[Term, int], tuple[Term, str]] = {}  # (step, level) -> operation, reason
         self._stopped = 0  # expansions of the longest search in this belief that ended at its limit
         self._in_vain: dict[object, str] = {}  # searches without a plan in this belief, and why: more refusals add none
         self._objections: dict[Term, str] = {}  # step -> why the robot cannot do such a thing
@@ -139,8 +139,10 @@ class Agent:
         return PosedGoal(*parts, self._attempts.fruitless_here())
 
     def _denotation(self, step: int) -> Denotation:
-        tables = {name: dict(self.denotations.table(name, self._belief)) for name in self._goal.expressions}
-        return Denotation(step=step, probability=tables)
+        probabilities = {
+            name: dict(self.denotations.probabilities(name, self._belief)) for name in self._goal.expressions
+        }
+        return Denotation(step=step, probability=probabilities)
 
     # ------------------------------------------------------------ planning
 
@@ -165,7 +167,7 @@ class Agent:
     def _refine(self, turn: Turn, step: int, current: Step) -> None:
         """Plan for the chosen step's subgoal one level deeper: with the same operation if that can be, else anyhow."""
         why = IMPOSSIBLE
-        for final in (current.instance.called, None):
+        for final in (current.instance.operation, None):
             if self._stack.current() is current and len(self._stack) < self._limits.hierarchy_depth:
                 why = self._plan(turn, step, (current.subgoal,), "refine", final)
         if self._stack.current() is current:
@@ -178,7 +180,7 @@ class Agent:
         while changes := self._stack.select(self.posed.satisfied, false_in, self._is_refused):
             turn.plans.extend(self._stack.message(step, change) for change in changes)
             for useless in (each for change in changes for each in change.useless):
-                self._refused[useless.instance.step, useless.level] = useless.instance.called, IMPOSSIBLE
+                self._refused[useless.instance.step, useless.level] = useless.instance.operation, IMPOSSIBLE
 
     def _plan(
         self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: PlanCause, final: Term | None = None
@@ -215,7 +217,7 @@ class Agent:
             belief_version=self._version,
             subgoal=tuple(sorted(map(str, self._goal.fluents if len(roots) != 1 else roots[0]))),
             candidates=found.candidates,
-            plan=tuple(title(s.instance.called) for s in found.steps or ()),
+            plan=tuple(title(s.instance.operation) for s in found.steps or ()),
             cost=min(found.cost, CAP_MICRONATS),
             within=None if found.within is None else round(found.within, 6),
             expansions=found.expansions,
@@ -225,9 +227,9 @@ class Agent:
 
     def _refuse(self, turn: Turn, step: int, current: Step, why: str, *lacking: Term) -> None:
         """Note that a step cannot be refined or executed in this belief, and plan from the top without it."""
-        self._refused[current.instance.step, current.level] = current.instance.called, why
+        self._refused[current.instance.step, current.level] = current.instance.operation, why
         self._stack.clear()
-        turn.plans.append(self._stack.message(step, Change("refused", (current.instance.called, *lacking))))
+        turn.plans.append(self._stack.message(step, Change("refused", (current.instance.operation, *lacking))))
 
     def _execute(self, turn: Turn, step: int, current: Step) -> None:
         executes = current.instance.executes
@@ -243,7 +245,7 @@ class Agent:
             self._executed = current
             turn.action = Action(
                 step=step,
-                op=title(current.instance.called),
+                op=title(current.instance.operation),
                 args=_objects(current.instance.executes),
                 command=command,
             )
@@ -325,7 +327,7 @@ def _remembered(step: Step) -> RememberedStep:
     return RememberedStep(
         **dict(plan_step(step)),
         instance=str(instance.step),
-        called=str(instance.called),
+        called=str(instance.operation),
         executes=None if instance.executes is None else str(instance.executes),
     )
 
@@ -334,7 +336,7 @@ def _recalled(step: RememberedStep) -> Step:
     """Return the step of a message; it has the price and the concrete level, but not the single costs and fluents."""
     instance = Instance(
         step=parse_term(step.instance),
-        called=parse_term(step.called),
+        operation=parse_term(step.called),
         costs=frozenset({(_PRICE, step.cost)}),
         preconditions=frozenset({(_DEMANDED, step.concrete)}),
         executes=None if step.executes is None else parse_term(step.executes),

@@ -115,10 +115,10 @@ def reference(rulebook: Rulebook) -> str:
     ]
     for file in _files(rulebook):
         lines += _page(file)
-    lines += ["", "## Fluents", "", *_table(("fluent", "says", "in goals", "brought about by"), _fluents(rulebook))]
-    lines += ["", "## Words", "", *_table(("word", "means"), _words(rulebook.vocabulary))]
+    lines += ["", "## Fluents", "", *_rows(("fluent", "says", "in goals", "brought about by"), _fluents(rulebook))]
+    lines += ["", "## Words", "", *_rows(("word", "means"), _words(rulebook.vocabulary))]
     lines += ["", "## Queries", "", "What rules may ask of the belief and the geometry, as `@name(..)`.", ""]
-    lines += _table(("query", "answer"), _queries())
+    lines += _rows(("query", "answer"), _queries())
     return "\n".join(lines) + "\n"
 
 
@@ -302,7 +302,7 @@ def _page(file: FileDoc) -> list[str]:
     lines += ["", file.about] if file.about else []
     if file.constants:
         rows = [(f"`{name}`", value, _readable(value, comment)) for name, value, comment in file.constants]
-        lines += ["", *_table(("constant", "value", "means"), rows)]
+        lines += ["", *_rows(("constant", "value", "means"), rows)]
     for signature, text in file.predicates:
         lines += ["", f"### `{signature}`", "", text]
     for step in file.steps:
@@ -314,10 +314,10 @@ def _page(file: FileDoc) -> list[str]:
                 lines += ["", *_part(part, heading, step.clauses[part])]
     if file.others:
         others = [(_code(rule), comment) for rule, comment in file.others]
-        lines += ["", *_table(("rules that these refer to" if file.steps else "rules", "why"), others)]
+        lines += ["", *_rows(("rules that these refer to" if file.steps else "rules", "why"), others)]
     if file.exclusions:
         pairs = [(_code(pair), comment) for pair, comment in file.exclusions]
-        lines += ["", *_table(("exclude each other", "because"), pairs)]
+        lines += ["", *_rows(("exclude each other", "because"), pairs)]
     return lines
 
 
@@ -329,16 +329,16 @@ def _readable(value: str, comment: str) -> str:
 def _part(part: str, heading: str, clauses: Sequence[Clause]) -> list[str]:
     if part == "precond":
         rows = [(c.level, _code(c.says), _code(c.where), c.comment) for c in sorted(clauses, key=lambda c: c.level)]
-        return _table(("level", heading, "where", "why"), rows)
-    return _table((heading, "where", "why"), [(_code(c.says), _code(c.where), c.comment) for c in clauses])
+        return _rows(("level", heading, "where", "why"), rows)
+    return _rows((heading, "where", "why"), [(_code(c.says), _code(c.where), c.comment) for c in clauses])
 
 
 def _code(text: str) -> str:
     return f"`{text}`" if text else ""
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """Return a table without the columns that are empty in every row."""
+def _rows(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Return rows in Markdown, without the columns that are empty in every row."""
     rows = [[cell.replace("|", "\\|") for cell in row] for row in rows]
     used = [i for i in range(len(head)) if any(row[i] for row in rows)] or [0]
     lines = [[head[i] for i in used], ["---"] * len(used), *([row[i] for i in used] for row in rows)]

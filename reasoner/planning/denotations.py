@@ -46,7 +46,7 @@ class Denotations:
         self._version: int | None = None
         self._tables: dict[str, dict[str, float]] = {}
 
-    def table(self, expression: str, belief: GroundBeliefs) -> Mapping[str, float]:
+    def probabilities(self, expression: str, belief: GroundBeliefs) -> Mapping[str, float]:
         """Return P(Den) for every anchor."""
         if belief.version != self._version:
             self._version, self._tables = belief.version, {}
@@ -56,7 +56,7 @@ class Denotations:
 
     def probability(self, expression: str, anchor: str, belief: GroundBeliefs) -> float:
         """Return P(Den); 0 for an unknown anchor."""
-        return self.table(expression, belief).get(anchor, 0.0)
+        return self.probabilities(expression, belief).get(anchor, 0.0)
 
     def probability_of_new(self, expression: str, region: str, belief: OpenBeliefs) -> float:
         """Return P(Den) of an arbitrary object in the region that is not met yet."""

@@ -64,12 +64,12 @@ class PlanStack:
 
     def level_of(self, instance: Instance) -> int:
         """Return 1 + the highest level of the same operation among the steps being refined, 0 if there is none."""
-        return max((level + 1 for called, level in self.refined() if called == instance.called), default=0)
+        return max((level + 1 for operation, level in self.refined() if operation == instance.operation), default=0)
 
     def refined(self) -> frozenset[tuple[Term, int]]:
         """Return operation and level of every step being refined: all that `level_of` depends on."""
         chosen = [layer[i] for layer, i in zip(self._layers, self._chosen, strict=True)]
-        return frozenset((step.instance.called, step.level) for step in chosen)
+        return frozenset((step.instance.operation, step.level) for step in chosen)
 
     def select(
         self,
@@ -117,7 +117,7 @@ class PlanStack:
                 if binding:
                     useless = self._bind([*self._chosen[:i], j], binding, refused)
                     if useless:
-                        return Change("refused", tuple(step.instance.called for step in useless), useless)
+                        return Change("refused", tuple(step.instance.operation for step in useless), useless)
                     changes.append(Change("bind_skolem"))
                 return j
         return None
@@ -187,7 +187,7 @@ def _bound(step: Step, binding: Binding) -> Step:
         instance=replace(
             instance,
             step=apply(instance.step),
-            called=apply(instance.called),
+            operation=apply(instance.operation),
             executes=None if instance.executes is None else apply(instance.executes),
         ),
         subgoal=frozenset(map(apply, step.subgoal)),
@@ -198,7 +198,7 @@ def _bound(step: Step, binding: Binding) -> Step:
 def plan_step(step: Step) -> PlanStep:
     """Return a step as the trace shows it."""
     return PlanStep(
-        op=title(step.instance.called),
+        op=title(step.instance.operation),
         level=step.level,
         concrete=step.instance.concrete,
         primitive=step.instance.executes is not None,

@@ -15,7 +15,7 @@ class Instance:
 
     Attributes:
         step: The term of the instance.
-        called: Its operation; instances of one operation share their abstraction level.
+        operation: Its operation; instances of one operation share their abstraction level.
         costs: -ln p in micro-nats, by reason.
         results: Fluents it makes true.
         preconditions: Fluents it needs, each with the first level that demands it.
@@ -26,7 +26,7 @@ class Instance:
     """
 
     step: Term
-    called: Term
+    operation: Term
     costs: frozenset[tuple[Term, int]] = frozenset()
     results: frozenset[Term] = frozenset()
     preconditions: frozenset[tuple[Term, int]] = frozenset()
@@ -62,7 +62,7 @@ class Instance:
         """Return the step with the parts of both offers: this one and another of the same step."""
         return Instance(
             self.step,
-            self.called,
+            self.operation,
             self.costs | other.costs,
             self.results | other.results,
             self.preconditions | other.preconditions,
@@ -75,7 +75,7 @@ class Instance:
 
 @dataclass(slots=True)
 class _Parts:
-    called: Term | None = None
+    operation: Term | None = None
     costs: set[tuple[Term, int]] = field(default_factory=set)
     results: set[Term] = field(default_factory=set)
     preconditions: set[tuple[Term, int]] = field(default_factory=set)
@@ -97,7 +97,7 @@ def read_instances(atoms: Mapping[str, Iterable[tuple[Term, ...]]]) -> tuple[Ins
     for (step,) in atoms.get("candidate", ()):
         of(step)
     for step, name in (*atoms.get("operation", ()), *atoms.get("called", ())):  # in older traces: called
-        of(step).called = name
+        of(step).operation = name
     for step, reason, cost in atoms.get("cost", ()):
         of(step).costs.add((reason, _natural(cost, f"cost({step},{reason},..)")))
     for step, fluent in atoms.get("result", ()):
@@ -118,7 +118,7 @@ def read_instances(atoms: Mapping[str, Iterable[tuple[Term, ...]]]) -> tuple[Ins
 def _instance(step: Term, p: _Parts) -> Instance:
     return Instance(
         step=step,
-        called=p.called if p.called is not None else step,
+        operation=p.operation if p.operation is not None else step,
         costs=frozenset(p.costs),
         results=frozenset(p.results),
         preconditions=frozenset(p.preconditions),

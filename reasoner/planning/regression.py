@@ -166,7 +166,7 @@ def search(
             return Found(None, 0, len(seen), _sorted(considered), exhausted=False)
         seen.add(goal)
         for instance, repeats in _achievers(open_fluents, goal, offers):
-            if length == 0 and final is not None and instance.called != final:
+            if length == 0 and final is not None and instance.operation != final:
                 continue
             total = cost + instance.price
             if repeats and not again and total >= left_out:
@@ -181,7 +181,7 @@ def search(
             if reason is None and total > max_cost:
                 reason, priced_out = "too_unlikely", True
             if length == 0:
-                name = title(instance.called)
+                name = title(instance.operation)
                 considered.setdefault(
                     name, Candidate(op=name, cost=min(instance.price, CAP_MICRONATS), rejected=reason)
                 )

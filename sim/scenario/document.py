@@ -75,7 +75,7 @@ class Document:
         flag = next((flag for flag, there in self.overrides if address[: len(there)] == there), None)
         if flag is not None:
             return Fault(flag, 0, 0, message, at)
-        line, column = self._place(address, at_key)
+        line, column = self._position(address, at_key)
         if offset is not None:
             line, column = self._inside(line, column, str(self._value(address)), offset)
         return Fault(self.file, line + 1, column + 1, message, at, _line(self.text, line))
@@ -86,20 +86,20 @@ class Document:
             value = value[key]
         return value
 
-    def _place(self, address: Address, at_key: bool = False) -> tuple[int, int]:
+    def _position(self, address: Address, at_key: bool = False) -> tuple[int, int]:
         """Return line and column, from 0, of the deepest part of `address` that exists."""
-        node, place = self.tree, (0, 0)
+        node, position = self.tree, (0, 0)
         for i, key in enumerate(address):
             try:
                 if isinstance(node, CommentedMap):
                     found = node.lc.key(key) if at_key and i == len(address) - 1 else node.lc.value(key)
                 else:
                     found = node.lc.item(key)
-                place = found or place  # an empty value may have no position of its own
+                position = found or position  # an empty value may have no position of its own
                 node = node[key]
             except (KeyError, IndexError, AttributeError, TypeError):
                 break
-        return place
+        return position
 
     def _inside(self, line: int, column: int, value: str, offset: int) -> tuple[int, int]:
         """Return the position of the character at `offset` of a string, also in folded lines and block scalars.

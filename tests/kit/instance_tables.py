@@ -22,7 +22,7 @@ def instance(
     step = parse_term(name)
     return Instance(
         step=step,
-        called=step,
+        operation=step,
         costs=frozenset({("chance", nll(p))}) if p < 1 else frozenset(),
         results=terms(*results),
         preconditions=frozenset((parse_term(f), level) for f, level in needs),

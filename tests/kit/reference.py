@@ -72,7 +72,7 @@ class Reference:
             case Compound("b", (Compound("contents", (r,)), _)):
                 step = compound("look_region", r)
                 name, needs = compound("look_at_region", r), [(compound("at", step), 1)]
-                yield self._made(step, [fluent], needs, {"overlooked": OVERLOOKED}, called=name, executes=step)
+                yield self._made(step, [fluent], needs, {"overlooked": OVERLOOKED}, operation=name, executes=step)
             case Compound("clear", (activity,)):
                 yield from self._remove(fluent, activity)
             case Compound("at", (activity,)):
@@ -96,7 +96,7 @@ class Reference:
                 needs += [(t("b(exists({o}),{p})", o=o, p=p // 2), 1)]
             name, results = compound("examine_obj", e, o), [fluent, compound("krd", o)]
             costs = {"prior_of_description": present}
-            yield self._made(compound("examine", e, props, o, p), results, needs, costs, called=name)
+            yield self._made(compound("examine", e, props, o, p), results, needs, costs, operation=name)
 
     def _find(self, fluent: Term, e: str, o: Term, p: int) -> Iterator[Instance]:
         if not isinstance(o, Compound):
@@ -108,7 +108,7 @@ class Reference:
             needs += [(t("b(contents({r}),{p})", r=region, p=p), 1)]
             name, results = compound("find_obj", e, region, o), [fluent, compound("krd", o)]
             costs = {"prior_of_existence": int(str(cost))}
-            yield self._made(compound("find", e, region, o, p), results, needs, costs, called=name)
+            yield self._made(compound("find", e, region, o, p), results, needs, costs, operation=name)
 
     def _infer(self, fluent: Term, kind: str, k: str, o: Term, p: int) -> Iterator[Instance]:
         if not self.q.rigid(o):
@@ -128,14 +128,14 @@ class Reference:
             bound = t("bn({q}({o}),{m},{v},{d},{p})", q=MEASURES[k], o=o, m=mean, v=sd, d=tol, p=LIKELY)
             needs += [(bound, 0)]
         name = compound("infer", k, o)
-        yield self._made(compound("infer", k, o, p), [fluent], needs, costs, called=name, immediate=True)
+        yield self._made(compound("infer", k, o, p), [fluent], needs, costs, operation=name, immediate=True)
 
     def _look(self, seen: Term, fluent: Term, about: str, more: list[Need]) -> Instance:
         step = compound("look", seen)
         needs: list[Need] = [(compound("krd", seen), 0), (compound("loose", seen), 0)]
         needs += [(compound("clear", step), 1), (compound("at", step), 1), *more]
         costs = {f"missed({about})": int(str(self.q.detected(about)))}
-        return self._made(step, [fluent], needs, costs, called=compound("look_at", seen), executes=step)
+        return self._made(step, [fluent], needs, costs, operation=compound("look_at", seen), executes=step)
 
     def _earlier(self, fluent: Term, quantity: str, o: str) -> list[Need]:
         assert isinstance(fluent, Compound)
@@ -148,7 +148,7 @@ class Reference:
         if blockers:
             needs = [(compound("aside", o, activity), 0) for o in blockers]
             step, name = compound("remove", activity), compound("remove_obst", activity)
-            yield self._made(step, [fluent], needs, {"still_blocked": STILL_BLOCKED}, called=name, immediate=True)
+            yield self._made(step, [fluent], needs, {"still_blocked": STILL_BLOCKED}, operation=name, immediate=True)
 
     def _move(self, fluent: Term, activity: Term) -> Instance:
         step, results = compound("move", activity), [fluent]
@@ -173,7 +173,7 @@ class Reference:
             loses = [compound("empty", hand), compound("loose", o), t("b(on({o},any),any)", o=o)]
             results = [compound("holding", o), compound("held", hand, o)]
             name = compound("pick", o)
-            yield self._made(step, results, needs, {"slips": SLIP}, destroys=loses, called=name, executes=step)
+            yield self._made(step, results, needs, {"slips": SLIP}, destroys=loses, operation=name, executes=step)
 
     def _places(self, fluent: Term) -> Iterator[Instance]:
         match fluent:
@@ -216,7 +216,7 @@ class Reference:
             needs,
             costs,
             destroys=[t(lost, o=o) for lost in loses],
-            called=compound("place", o, s),
+            operation=compound("place", o, s),
             executes=executes,
         )
 
@@ -227,12 +227,12 @@ class Reference:
         needs: Iterable[Need],
         costs: dict[str, int] | None = None,
         destroys: Iterable[Term] = (),
-        called: Term | None = None,
+        operation: Term | None = None,
         executes: Term | None = None,
         immediate: bool = False,
     ) -> Instance:
         priced = frozenset((parse_term(reason), cost) for reason, cost in (costs or {}).items())
-        name = step if called is None else called
+        name = step if operation is None else operation
         return Instance(
             step, name, priced, frozenset(results), frozenset(needs), frozenset(destroys), executes, immediate
         )

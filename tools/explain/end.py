@@ -186,7 +186,7 @@ def _threshold(insight: Insight) -> Iterator[Remedy]:
         return
     p = _below(prob(max(best.cost, _dearest(insight, best.steps))))
     if p < limits.min_plan_probability:
-        names = "; ".join(title(step.instance.called) for step in best.steps)
+        names = "; ".join(title(step.instance.operation) for step in best.steps)
         finding = f"the likeliest plan, refined as far as the trace can tell, has p = {p:g}: {names}"
         yield Remedy("threshold", finding, f"limits.min_plan_probability of at most {p:g}")
 
@@ -200,7 +200,7 @@ def _dearest(insight: Insight, steps: Sequence[Step]) -> int:
         try:
             ways = (
                 regress((current.subgoal,), offers, stack.level_of, lambda *_: False, most, CAP_MICRONATS, final)
-                for final in (current.instance.called, None)
+                for final in (current.instance.operation, None)
             )
             found = next((way for way in ways if way.steps), None)
         except NotRecordedError:

@@ -135,7 +135,7 @@ def _option(
         exists=insight.belief.prob_exists(str(name)) if known else None,
         conjuncts=conjuncts,
         fluents=tuple(truth(insight, fluent) for fluent in sorted(root, key=str)),
-        plan=() if plan is None else tuple(title(s.instance.called) for s in plan.steps or ()),
+        plan=() if plan is None else tuple(title(s.instance.operation) for s in plan.steps or ()),
         probability=None if plan is None else prob(plan.cost),
         rejected="" if is_chosen else _why_not(insight, name, offered, plans, plan, rival),
         refused=tuple(f"{c.op}: {c.rejected}" for f in plans[:1] for c in f.candidates if c.rejected),

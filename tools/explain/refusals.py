@@ -18,25 +18,25 @@ class Refusal:
 
     Attributes:
         step: The decision.
-        called: The operation, as a term.
+        operation: The operation, as a term.
         chosen: The step chosen in every layer of the stack, top first, the refused one last; empty if it was refused
             because its placeholder turned out to be an object with which it cannot be used.
         lacking: The fluents without which the robot cannot do it.
     """
 
     step: int
-    called: str
+    operation: str
     chosen: tuple[PlanStep, ...]
     lacking: tuple[str, ...] = ()
 
     @property
     def op(self) -> str:
         """The step in words."""
-        return title(parse_term(self.called))
+        return title(parse_term(self.operation))
 
     def forbids(self, instance: Instance, level: int) -> bool:
         """Return whether a step is the refused one."""
-        return bool(self.chosen) and (title(instance.called), level) == (self.op, self.chosen[-1].level)
+        return bool(self.chosen) and (title(instance.operation), level) == (self.op, self.chosen[-1].level)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ class Refused:
         step = next((s for s in found.steps or () if self.forbids(s.instance, s.level)), None)
         if step is None:
             return ""
-        op = title(step.instance.called)
+        op = title(step.instance.operation)
         same = [each for each in self._before if each.op == op and (each.lacking or each.step == insight.step)]
         if not same:
             return f"{op} was done {self._failures[str(step.instance.step)]} times without doing what it should"
@@ -165,13 +165,13 @@ def _can_be_refined(insight: Insight, refusal: Refusal, offers: Offers) -> bool:
     worst = nll(limits.min_plan_probability)
 
     def level_of(instance: Instance) -> int:
-        name = title(instance.called)
+        name = title(instance.operation)
         return max((step.level + 1 for step in refusal.chosen if step.op == name), default=0)
 
     def nothing(_instance: Instance, _level: int) -> bool:
         return False
 
-    ends = (parse_term(refusal.called), None)
+    ends = (parse_term(refusal.operation), None)
     return any(
         regress((subgoal,), offers, level_of, nothing, limits.expansions, worst, final, limits.optimal).steps
         for final in ends

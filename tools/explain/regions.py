@@ -81,14 +81,14 @@ def _option(
         exists_in=p,
         cost=min((min(nll(each), CAP_MICRONATS) for each in p.values()), default=0),
         contents=contents,
-        plan=tuple(title(s.instance.called) for s in found.steps or ()) if found is not None else (),
+        plan=tuple(title(s.instance.operation) for s in found.steps or ()) if found is not None else (),
         probability=prob(found.cost) if found is not None and known else None,
         rejected="" if is_chosen else why,
     )
 
 
 def _searched(found: Found) -> set[str]:
-    return {name for step in found.steps or () for name in mentioned(step.instance.called)}
+    return {name for step in found.steps or () for name in mentioned(step.instance.operation)}
 
 
 def _by_way_of(insight: Insight, region: str, root: Subgoal) -> Found | None:
@@ -96,8 +96,8 @@ def _by_way_of(insight: Insight, region: str, root: Subgoal) -> Found | None:
     others = set(insight.belief.regions()) - {region}
 
     def elsewhere(instance: Instance, _level: int) -> bool:
-        called: Term = instance.called
-        return bool(mentioned(called) & others)
+        operation: Term = instance.operation
+        return bool(mentioned(operation) & others)
 
     return planned(insight, root, CAP_MICRONATS, elsewhere)
 

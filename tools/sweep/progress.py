@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from skolem.tools.sweep.rows import Row
 
 
-class Silence(AbstractContextManager["Silence"]):
+class Quiet(AbstractContextManager["Quiet"]):
     """Prints nothing."""
 
     def __exit__(
@@ -23,7 +23,7 @@ class Silence(AbstractContextManager["Silence"]):
         """Print nothing."""
 
 
-class Lines(Silence):
+class Lines(Quiet):
     """Prints one line on standard error for each finished run."""
 
     def __init__(self, total: int, before: int) -> None:
@@ -38,7 +38,7 @@ class Lines(Silence):
         print(f"[{self._done}/{self._total}] {said_of(row)}", file=sys.stderr, flush=True)
 
 
-class Bar(Silence):
+class Bar(Quiet):
     """Shows a bar with the counts so far, and the failures above it."""
 
     def __init__(self, total: int, before: int, console: Console) -> None:
@@ -81,9 +81,9 @@ def said_of(row: Row) -> str:
     return f"{row.scenario} seed {row.seed}: {row.status}, {true}, {effort}{why}"
 
 
-def progress_for(total: int, before: int, quiet: bool) -> Silence:
+def progress_for(total: int, before: int, quiet: bool) -> Quiet:
     """Return the display of the progress: none, a bar on a terminal, or lines."""
     if quiet:
-        return Silence()
+        return Quiet()
     console = Console(stderr=True)
     return Bar(total, before, console) if console.is_terminal else Lines(total, before)

@@ -114,7 +114,7 @@ class Lines:
             print(line + (f"  [new plan: {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
 
 
-class Silence(Lines):
+class Quiet(Lines):
     """Prints nothing."""
 
     def acted(self, action: Action, result: ActionResult, observation: Observation) -> None:
@@ -291,6 +291,6 @@ def _probability(decision: Decision) -> str:
 def watcher_for(setup: Setup, quiet: bool, raw: bool = False) -> "Lines":
     """Return the display of a run: none, a picture on a terminal, or lines."""
     if quiet:
-        return Silence()
+        return Quiet()
     console, words = Console(stderr=True), wording_for(setup, raw)
     return Picture(setup, console, words) if console.is_terminal else Lines(words)

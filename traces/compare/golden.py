@@ -59,8 +59,8 @@ def read_manifest(folder: Path) -> dict[str, Golden]:
     """
     path = folder / MANIFEST
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-        return {name: Golden.model_validate_json(json.dumps(table)) for name, table in tables.items()}
+        entries = tomllib.loads(path.read_text(encoding="utf-8"))
+        return {name: Golden.model_validate_json(json.dumps(entry)) for name, entry in entries.items()}
     except OSError as error:
         raise InputError([Fault(str(path), 0, 0, f"cannot be read: {error.strerror}")]) from error
     except ValueError as error:
@@ -69,8 +69,8 @@ def read_manifest(folder: Path) -> dict[str, Golden]:
 
 def write_manifest(folder: Path, goldens: Mapping[str, Golden]) -> None:
     """Write the manifest of a folder, sorted by name."""
-    tables = [HEAD, *(_table(name, goldens[name]) for name in sorted(goldens))]
-    (folder / MANIFEST).write_text("\n".join(tables), encoding="utf-8")
+    entries = [HEAD, *(_entry(name, goldens[name]) for name in sorted(goldens))]
+    (folder / MANIFEST).write_text("\n".join(entries), encoding="utf-8")
 
 
 def is_text(value: str) -> bool:
@@ -123,7 +123,7 @@ def _copy_decision(record: object, schemas: dict[int, Schema], copy: Copy, kept:
             copy.add(record)
 
 
-def _table(name: str, golden: Golden) -> str:
+def _entry(name: str, golden: Golden) -> str:
     fields = golden.model_dump(mode="json")
     return "\n".join([f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in fields.items()), ""])
 

@@ -65,11 +65,11 @@ class Flaw:
     step: int | None = None
 
     def __str__(self) -> str:
-        """Return place and message, and the remedy on a line of its own."""
-        return f"{self.place}{self.message}\n    {self.remedy}"
+        """Return position and message, and the remedy on a line of its own."""
+        return f"{self.position}{self.message}\n    {self.remedy}"
 
     @property
-    def place(self) -> str:
+    def position(self) -> str:
         """The position in words, with a colon; empty for the whole file."""
         parts = [
             *([] if self.number is None else [f"message {self.number}"]),
@@ -326,8 +326,8 @@ class _Examiner:
             return
         steps = zip_longest(written.get("steps", "").split(), self.hashes.steps)
         step = next((number for number, (then, now) in enumerate(steps) if then != now), None)
-        place = "what follows the last step" if step is None else "what was recorded since the step before"
-        raise _UnsoundError(Flaw(f"{place} is {CHANGED}", AGAIN, step=step))
+        where = "what follows the last step" if step is None else "what was recorded since the step before"
+        raise _UnsoundError(Flaw(f"{where} is {CHANGED}", AGAIN, step=step))
 
     def _fail(self, message: str, remedy: str) -> Never:
         in_message = self._topic is not None

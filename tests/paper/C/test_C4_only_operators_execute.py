@@ -31,7 +31,7 @@ def test_every_operator_has_a_primitive_and_no_axiom_has() -> None:
     play = example()
     at = posed(EXAMPLE_GOAL, play.belief, geometry=play.geometry)
     instances = [i for fluent in FLUENTS for i in at.offers.offers(parse_term(fluent))]
-    named = {str(i.called).partition("(")[0]: i.executes for i in instances}
+    named = {str(i.operation).partition("(")[0]: i.executes for i in instances}
     assert set(named) == OPERATORS | AXIOMS
     assert {name for name, executes in named.items() if executes is not None} == OPERATORS
 

@@ -26,7 +26,7 @@ def holding_o2() -> TableBelief:
 def test_a_plan_to_hold_another_object_begins_with_placing_the_one_in_the_hand() -> None:
     """ "It has to execute a place action because it is still holding _o2_"."""
     found = steps_of(planned(posed(GOAL, holding_o2()), "held(right,o4)", level=1))
-    names = [title(step.instance.called) for step in found]
+    names = [title(step.instance.operation) for step in found]
     assert names[0].startswith("Place(o2")
     assert names[-1] == "Pick(o4)"
 
@@ -36,7 +36,7 @@ def test_with_an_empty_hand_nothing_is_placed() -> None:
     belief = holding_o2()
     belief.things["o2"].hand, belief.things["o2"].on = None, "shelf"
     found = steps_of(planned(posed(GOAL, belief), "held(right,o4)", level=1))
-    assert not any(title(step.instance.called).startswith("Place") for step in found)
+    assert not any(title(step.instance.operation).startswith("Place") for step in found)
 
 
 def test_in_the_example_the_light_can_is_placed_before_the_other_is_picked() -> None:

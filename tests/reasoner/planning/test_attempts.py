@@ -11,7 +11,7 @@ LOOK, DRIVE = "look(o)", "move(look(o))"
 
 def done(command: str) -> Instance:
     term = parse_term(command)
-    return Instance(step=term, called=term, costs=frozenset(), preconditions=frozenset(), executes=term)
+    return Instance(step=term, operation=term, costs=frozenset(), preconditions=frozenset(), executes=term)
 
 
 def tried(*outcomes: tuple[str, bool]) -> Attempts:

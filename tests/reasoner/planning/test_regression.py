@@ -125,7 +125,7 @@ def test_what_was_refused_in_this_belief_is_not_offered_again() -> None:
 
 def test_the_same_step_offered_for_two_fluents_is_taken_once_for_both() -> None:
     look = [
-        Instance(step="look", called="look", results=terms(f), preconditions=frozenset({(n, 0)}), executes="look")
+        Instance(step="look", operation="look", results=terms(f), preconditions=frozenset({(n, 0)}), executes="look")
         for f, n in (("colour", "near"), ("type", "light"))
     ]
     found = search(Table(look, ["near", "light"]), terms("colour", "type"))

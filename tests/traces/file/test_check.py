@@ -341,7 +341,7 @@ def test_a_run_without_its_end_is_named_so(changed: Callable[..., Flaw]) -> None
     flaw = changed(messages(lambda found: found[:-1]))
     assert flaw.message == "/run/end is missing after 3 steps"
     assert "killed" in flaw.remedy
-    assert flaw.place == ""
+    assert flaw.position == ""
 
 
 def test_a_trace_without_a_run_is_named_so(changed: Callable[..., Flaw]) -> None:
