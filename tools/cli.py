@@ -19,23 +19,23 @@ from typer.core import TyperCommand, TyperGroup
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "check": (
         "skolem.tools.files.check",
-        "Check that traces are whole and unchanged; name the first fault of each, with its place and what to do.",
+        "Check that traces are whole and unchanged; name the first fault of each, with its position and a remedy.",
     ),
     "diff": (
         "skolem.tools.files.diff",
-        "Print where two runs part first, how often each field differs, and where the robot decides otherwise.",
+        "Print the first difference of two runs, how often each field differs, and the first different decision.",
     ),
     "info": (
         "skolem.tools.show.info",
-        "Print what a run was made of, how it went, and what takes the room in its trace.",
+        "Print the inputs and the result of a run, and the size of each topic in its trace.",
     ),
     "recover": (
         "skolem.tools.files.recover",
-        "Save every message that is whole of a trace that was cut off or damaged.",
+        "Save every whole message of a trace that was cut off or damaged.",
     ),
     "replay": (
         "skolem.tools.replay.command",
-        "Think recorded runs again without a simulator, and compare; or see what other rules or goals would decide.",
+        "Take the decisions of recorded runs again, without a simulator, and compare; or try other rules or goals.",
     ),
     "reproduce": (
         "skolem.tools.replay.reproduce",
@@ -57,19 +57,19 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "scenario": ("skolem.tools.rules.scenario", "Check scenario files, or print their JSON Schema."),
     "show": (
         "skolem.tools.show.command",
-        "Print how a run was planned: every plan, what refined it, what was done and what was dropped.",
+        "Print the plans of a run: every plan, its refinements, the actions and the dropped plans.",
     ),
     "sweep": (
         "skolem.tools.sweep.command",
-        "Run scenarios for many seeds, several at a time, and write tables of how it went.",
+        "Run scenarios for many seeds, several at a time, and write the results as tables.",
     ),
     "trace": (
         "skolem.tools.files.trace",
-        "Record golden traces anew: the only way in which they change.",
+        "Record golden traces again, which is the only way to change them.",
     ),
     "view": (
         "skolem.tools.view.command",
-        "Show a run: the robot, true and believed things, the camera, plans, decisions and curves, over steps or time.",
+        "Show a run: robot, true and believed objects, camera, plans, decisions and curves, over steps or time.",
     ),
 }
 BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4

@@ -33,7 +33,8 @@ def explain(
         int | None, typer.Option(min=0, help="The decision to explain. Default: the last one of the run.")
     ] = None,
     why_not: Annotated[
-        str | None, typer.Option("--why-not", metavar="ANCHOR", help="Only what speaks for and against this object.")
+        str | None,
+        typer.Option("--why-not", metavar="ANCHOR", help="Print only the reasons for and against this object."),
     ] = None,
     raw: Raw = False,
     json: Annotated[
@@ -42,7 +43,7 @@ def explain(
 ) -> None:
     """Explain one decision of a run: why this object, why this action, why plans were dropped, why the run ended.
 
-    Made from the trace alone: the mind is rebuilt from what it sensed, and the attached rules are asked again.
+    It uses the trace alone: the mind is rebuilt from the recorded observations, and the attached rules are asked again.
 
     Exit status: 0 explained, 2 there is no such decision or object, 3 the trace cannot be read.
     """

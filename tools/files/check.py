@@ -21,7 +21,7 @@ def check(
         bool, typer.Option("--json", help="Print one JSON object per trace on standard output, and only that.")
     ] = False,
 ) -> None:
-    """Check that traces are whole and unchanged; name the first fault of each, with its place and what to do.
+    """Check that traces are whole and unchanged; name the first fault of each, with its position and a remedy.
 
     What an older version recorded is sound as long as this one reads it; a remark says so.
 

@@ -22,20 +22,20 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 @app.command()
 def diff(
     a: Annotated[Path, typer.Argument(help="Trace of a run.")],
-    b: Annotated[Path, typer.Argument(help="Trace of another.")],
+    b: Annotated[Path, typer.Argument(help="Trace of another run.")],
     topic: Annotated[
         list[str] | None, typer.Option("--topic", help="Compare only this topic; repeatable. Default: all but PERF.")
     ] = None,
     atol: Annotated[float, typer.Option(min=0.0, help="Absolute tolerance of floats.")] = 0.0,
     rtol: Annotated[float, typer.Option(min=0.0, help="Relative tolerance of floats.")] = 0.0,
-    all_: Annotated[bool, typer.Option("--all", help="Print every divergence, not the first alone.")] = False,
+    all_: Annotated[bool, typer.Option("--all", help="Print every divergence, not only the first.")] = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
 ) -> None:
-    """Print where two runs part first, how often each field differs, and where the robot decides otherwise.
+    """Print the first difference of two runs, how often each field differs, and the first different decision.
 
-    Exit status: 0 they agree, 1 they do not, 2 bad input, 3 a trace cannot be read.
+    Exit status: 0 the runs agree, 1 they differ, 2 bad input, 3 a trace cannot be read.
     """
     topics = frozenset(topic or NOT_TIMED)
     if unknown := sorted(topics - CLASS_OF.keys()):

@@ -16,16 +16,16 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 def recover(
     bad: Annotated[Path, typer.Argument(help="Trace that is cut off or damaged, also NAME.mcap.partial.")],
     out: Annotated[
-        Path, typer.Option("-o", "--out", help="Where to write what is whole; an existing file is not replaced.")
+        Path, typer.Option("-o", "--out", help="Where to write the whole messages; an existing file is not replaced.")
     ],
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
 ) -> None:
-    """Save every message that is whole of a trace that was cut off or damaged.
+    """Save every whole message of a trace that was cut off or damaged.
 
-    The result can be read and shown as far as it goes, and replayed if nothing is missing in between; `skolem check`
-    says what is missing.
+    The result can be read and shown, and replayed if no message is missing in between; `skolem check` says
+    what is missing.
 
     Exit status: 0 saved, 2 the result cannot be written, or exists, 3 nothing can be saved.
     """

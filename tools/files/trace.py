@@ -19,31 +19,33 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 
 @app.callback()
 def trace() -> None:
-    """Record golden traces anew: the only way in which they change."""
+    """Record golden traces again, which is the only way to change them."""
 
 
 @app.command()
 def bless(
-    reason: Annotated[str, typer.Option(help="Why they change; kept in the manifest.")],
+    reason: Annotated[str, typer.Option(help="Why the traces change; the manifest keeps it.")],
     names: Annotated[list[str] | None, typer.Argument(help="Golden traces.")] = None,
     all_: Annotated[bool, typer.Option("--all", help="Every trace of the manifest.")] = False,
-    folder: Annotated[Path, typer.Option(help="Where golden traces and their manifest lie.")] = Path("tests/golden"),
-    scenario: Annotated[Path | None, typer.Option(help="Of a new trace: the scenario file.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of a new trace.")] = 0,
-    world: Annotated[str, typer.Option(metavar="NAME", help="Of a new trace: the kind of world.")] = "pybullet",
+    folder: Annotated[Path, typer.Option(help="Folder of the golden traces and their manifest.")] = Path(
+        "tests/golden"
+    ),
+    scenario: Annotated[Path | None, typer.Option(help="Scenario file of a new trace.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of a new trace.")] = 0,
+    world: Annotated[str, typer.Option(metavar="NAME", help="Kind of world of a new trace.")] = "pybullet",
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="A.B=VALUE", help="Of a new trace: change a value of the scenario; repeatable."),
+        typer.Option("--set", metavar="A.B=VALUE", help="Change a value of a new trace's scenario; repeatable."),
     ] = None,
-    why: Annotated[str, typer.Option(help="Of a new trace: what it is for.")] = "",
+    why: Annotated[str, typer.Option(help="Purpose of a new trace.")] = "",
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object per trace on standard output, and only that.")
     ] = False,
 ) -> None:
     """Run the scenarios of golden traces again, print what differs, and keep the new ones.
 
-    Of a trace that is decided as before, file and manifest stay as they are. With --scenario and --why a trace is
-    added, or gets another recipe.
+    A trace with the same decisions as before is not replaced. With --scenario and --why a trace is added, or gets
+    another recipe.
 
     Exit status: 0 blessed, 2 bad input, or a trace would be too large.
     """

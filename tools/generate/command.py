@@ -12,8 +12,8 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 
 @app.command()
 def generate(
-    family: Annotated[str, typer.Argument(help="Which kind of world; docs/families.md describes them.")],
-    seed: Annotated[int, typer.Option(min=0, help="Which world of the family; also the seed of its runs.")] = 0,
+    family: Annotated[str, typer.Argument(help="Kind of world; docs/families.md describes the kinds.")],
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the world and of its runs.")] = 0,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -22,7 +22,7 @@ def generate(
     ] = None,
     bound: Annotated[
         float | None,
-        typer.Option(help="How sure the robot must be of what a description denotes, instead of a drawn probability."),
+        typer.Option(help="Probability that the goal asks for a denotation, instead of a drawn one."),
     ] = None,
 ) -> None:
     """Draw a random scenario of a family, with a known answer.

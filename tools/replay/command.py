@@ -14,14 +14,17 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 def replay(
     traces: Annotated[list[Path], typer.Argument(help="Traces of runs.")],
     from_step: Annotated[
-        int, typer.Option(min=0, help="First decision to take again; what the robot remembered then is recalled.")
+        int, typer.Option(min=0, help="First decision to take again, with the memory recorded there.")
     ] = 0,
     re_anchor: Annotated[
-        bool, typer.Option("--re-anchor", help="Recall before every decision: lists each that diverges by itself.")
+        bool,
+        typer.Option(
+            "--re-anchor", help="Use the recorded memory at every decision: lists each that diverges by itself."
+        ),
     ] = False,
     plan_motions: Annotated[
         bool,
-        typer.Option("--plan-motions", help="Answer geometric questions by the planner anew, not by the trace."),
+        typer.Option("--plan-motions", help="Ask the planner every geometric question, not the trace."),
     ] = False,
     rules: Annotated[
         Path | None,
@@ -42,13 +45,14 @@ def replay(
     rtol: Rtol = None,
     all_: All = False,
     workers: Annotated[
-        int | None, typer.Option(min=1, max=1024, help="Processes that share the traces; default: as many as pay.")
+        int | None,
+        typer.Option(min=1, max=1024, help="Number of processes that share the traces. Default: as many as save time."),
     ] = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object per trace on standard output, and only that.")
     ] = False,
 ) -> None:
-    """Think recorded runs again without a simulator, and compare; or see what other rules or goals would decide.
+    """Take the decisions of recorded runs again, without a simulator, and compare; or try other rules or goals.
 
     Exit status: 0 identical, or no decision changes; 1 a run diverges, or a decision changes; 2 bad input; 3 a trace
     cannot be read; 4 internal error.

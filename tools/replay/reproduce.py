@@ -26,11 +26,11 @@ def reproduce(
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the result.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only the result, no progress.")] = False,
 ) -> None:
     """Run a recorded run again from its attached scenario, rules and seed, and compare everything but wall times.
 
-    Exit status: 0 identical, 1 the runs part, 2 bad input, 3 the trace cannot be read, 130 interrupted.
+    Exit status: 0 identical, 1 the runs differ, 2 bad input, 3 the trace cannot be read, 130 interrupted.
     """
     from skolem.tools.recorded import fingerprint
     from skolem.tools.recorded.divergences import comparison_fields, divergence_lines

@@ -37,9 +37,9 @@ def check(
     paths: Paths = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object per complaint, and only that.")] = False,
 ) -> None:
-    """Report every fault and every doubtful thing in rule files, each with its place and a suggestion.
+    """Report every fault and every doubtful rule in rule files, each with its position and a suggestion.
 
-    Exit status: 0 nothing to complain of, 1 warnings only, 2 a fault: such rules are refused.
+    Exit status: 0 no complaint, 1 warnings only, 2 a fault: such rules are refused.
     """
     complaints, certain = _complaints(paths or [])
     _report(complaints, certain, json)
@@ -81,7 +81,9 @@ def _complaints(paths: Sequence[Path]) -> tuple[list[Complaint], bool]:
 @app.command()
 def doc(
     paths: Paths = None,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Where to write it. Default: printed.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Where to write the reference. Default: print it.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the same as one JSON object.")] = False,
 ) -> None:
     """Write the reference of the rules: operators, inference rules, words, exclusions, queries; made from the files.

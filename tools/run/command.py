@@ -19,7 +19,7 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 @app.command()
 def run(
     scenario: Annotated[Path, typer.Argument(help="Scenario file.")],
-    seed: Annotated[int | None, typer.Option(min=0, help="Instead of the scenario's seed.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the run. Default: the scenario's.")] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -37,16 +37,18 @@ def run(
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="A.B=VALUE", help="Change a value of the scenario; repeatable.")
     ] = None,
-    max_steps: Annotated[int | None, typer.Option(min=1, help="Instead of the scenario's limits.steps.")] = None,
+    max_steps: Annotated[
+        int | None, typer.Option(min=1, help="Most actions of the run. Default: the scenario's limits.steps.")
+    ] = None,
     optimal: Annotated[
-        bool, typer.Option("--optimal", help="Only plans than which none is likelier (limits.optimal): takes longer.")
+        bool, typer.Option("--optimal", help="Use only the likeliest plans (limits.optimal); takes longer.")
     ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Record wall times too; they differ from run to run.")
     ] = False,
     view: Annotated[bool, typer.Option("--view", help="Show the run in a window while it goes on.")] = False,
     raw: Raw = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only the verdict, no progress.")] = False,
 ) -> None:
     """Run a scenario and record it as a trace.
 

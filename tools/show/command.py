@@ -26,7 +26,7 @@ def show(
     trace: Annotated[Path, typer.Argument(help="Trace of a run.")],
     step: Annotated[
         int | None,
-        typer.Option(min=0, help="Show one decision: belief table, plan stack, candidates, and what came of it."),
+        typer.Option(min=0, help="Show one decision: belief table, plan stack, candidates, and result."),
     ] = None,
     object_: Annotated[
         str | None, typer.Option("--object", metavar="ANCHOR", help="Show one object's beliefs over the run.")
@@ -36,9 +36,9 @@ def show(
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
 ) -> None:
-    """Print how a run was planned: every plan, what refined it, what was done and what was dropped.
+    """Print the plans of a run: every plan, its refinements, the actions and the dropped plans.
 
-    With --step one decision, with --object one object over the whole run.
+    With --step it prints one decision, with --object one object over the whole run.
 
     Exit status: 0 shown, 2 there is no such step or object, 3 the trace cannot be read.
     """

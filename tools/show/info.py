@@ -24,7 +24,7 @@ def info(
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
 ) -> None:
-    """Print what a run was made of, how it went, and what takes the room in its trace.
+    """Print the inputs and the result of a run, and the size of each topic in its trace.
 
     Exit status: 0 printed, 3 the trace cannot be read.
     """

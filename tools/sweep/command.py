@@ -23,11 +23,14 @@ def sweep(
     ] = None,
     bound: Annotated[
         float | None,
-        typer.Option(help="How sure the robot must be in those worlds, instead of a drawn probability."),
+        typer.Option(help="Probability that the goals ask for in those worlds, instead of a drawn one."),
     ] = None,
     seeds: Annotated[str, typer.Option(metavar="A-B", help="First and last seed.")] = "0-19",
     workers: Annotated[
-        int | None, typer.Option(min=1, max=1024, help="Processes of this machine, each doing one run at a time; 2.")
+        int | None,
+        typer.Option(
+            min=1, max=1024, help="Number of processes on this machine; each does one run at a time. Default: 2."
+        ),
     ] = None,
     scheduler: Annotated[
         str | None,
@@ -41,15 +44,15 @@ def sweep(
     write: Annotated[
         Path | None,
         typer.Option(
-            help="Markdown file to put each scenario's account into, once all runs are done; others in it stay."
+            help="Markdown file for the section of each scenario, written when all runs are done; other sections stay."
         ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object per run, and only that.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No progress.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print no progress.")] = False,
 ) -> None:
-    """Run scenarios for many seeds, several at a time, and write tables of how it went.
+    """Run scenarios for many seeds, several at a time, and write the results as tables.
 
-    A run whose trace is in the folder already, made of the same scenario, rules, seed and program, is not done again.
+    A run is not done again if the folder has its trace, made from the same scenario, rules, seed and program.
     Exit status: 0 every run believes its goal achieved, 1 some do not, 2 bad input, 130 interrupted.
     """
     from skolem.tools.sweep import sweeping

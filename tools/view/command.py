@@ -21,7 +21,8 @@ def view(
     web: Annotated[bool, typer.Option("--web", help="Serve the viewer to a browser on this machine.")] = False,
     shot: Annotated[Path | None, typer.Option(help="Write a picture (.png) of the viewer; no display needed.")] = None,
     at: Annotated[
-        str | None, typer.Option(metavar="step=N|time=S", help="With --shot: when. Default: the end of the run.")
+        str | None,
+        typer.Option(metavar="step=N|time=S", help="Moment of the picture of --shot. Default: the end of the run."),
     ] = None,
     follow: Annotated[
         bool, typer.Option("--follow", help="Show a run while it is recorded: TRACE is its .partial file.")
@@ -31,7 +32,7 @@ def view(
         bool, typer.Option("--json", help="Print one JSON object on standard output, and only that.")
     ] = False,
 ) -> None:
-    """Show a run: the robot, true and believed things, the camera, plans, decisions and curves, over steps or time.
+    """Show a run: robot, true and believed objects, camera, plans, decisions and curves, over steps or time.
 
     Exit status: 0 shown, 1 the picture has faults, 2 bad input or no viewer here, 3 the trace cannot be read.
     """
