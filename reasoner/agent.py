@@ -18,7 +18,7 @@ from skolem.reasoner.planning.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, parse_term
-from skolem.traces.errors import InternalError
+from skolem.traces.errors import RuleError
 from skolem.traces.messages import (
     Action,
     Command,
@@ -76,8 +76,9 @@ class Agent:
         self._geometry = geometry
         self._limits = limits
         self._stack = PlanStack()
-        self.denotations = Denotations(goal.expressions, rulebook)
-        self._mutexes = read_mutexes(rulebook)
+        with rulebook.answerable():
+            self.denotations = Denotations(goal.expressions, rulebook)
+            self._mutexes = read_mutexes(rulebook)
         self._refused: dict[tuple[Term, int], tuple[Term, str]] = {}  # (step, level) -> operation, reason
         self._stopped = 0  # expansions of the longest search in this belief that ended at its limit
         self._in_vain: dict[object, str] = {}  # searches without a plan in this belief, and why: more refusals add none
@@ -85,10 +86,19 @@ class Agent:
         self._attempts = Attempts(limits)
         self._executed: Step | None = None
         self._version = belief.version
-        self.posed = self._pose()
+        with rulebook.answerable():
+            self.posed = self._pose()
 
     def decide(self, step: int) -> Turn:
-        """Return the next action, or the end of the run, for the belief as it is now."""
+        """Return the next action, or the end of the run, for the belief as it is now.
+
+        Raises:
+            InputError: If a user's own rules break the contract of rules.
+        """
+        with self._rulebook.answerable():
+            return self._decide(step)
+
+    def _decide(self, step: int) -> Turn:
         self.take_stock()
         turn = Turn(closest=self.posed.closest(), denotation=self._denotation(step))
         if self.posed.achieved() is not None:
@@ -306,9 +316,8 @@ class Agent:
 def _objects(command: Term | None) -> tuple[str, ...]:
     """Return the objects in a command: the one it acts on, its support, and the one that must stay accessible."""
     if not isinstance(command, Compound):
-        raise InternalError(
-            f"an operator executes {command}; expected move(..), look(..), pick(..), place(..), weigh(..)"
-        )
+        expected = "move(..), look(..), pick(..), place(..), weigh(..)"
+        raise RuleError(f"an operator executes {command}; expected {expected}", "executes")
     if command.name == "move":
         return _objects(command.args[0])
     return tuple(str(a) for a in (command.args[1:] if command.name == "pick" else command.args))

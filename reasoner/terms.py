@@ -17,8 +17,10 @@ import clingo
 ANY: Final = "any"  # in a pattern, stands for every term
 MICRO: Final = 1_000_000
 CAP_MICRONATS: Final = 50 * MICRO  # p = 2e-22; 42 such costs still sum within clingo's 32 bits
+DEEPEST: Final = 200  # functions around a term; twice what a rule file may write in one
 _MEMORY: Final = 1 << 14  # terms whose symbol, and texts whose term, are remembered
 _PART: Final = re.compile(r"([^(),]*)([(),]|$)")  # in a symbol's text: a name or nothing, and the mark that ends it
+_DEEPENING: Final = re.compile(r"[()+*/\\&?^~|]|-(?!\d)")
 _FOREIGN: Final = re.compile(r'["#]|-(?!\d)')  # marks of a symbol's text that no term has
 
 
@@ -118,6 +120,8 @@ def read_term(text: str) -> Term:
         if end == "(":
             around.append((name, args))
             name, args = word, []
+            if len(around) > DEEPEST:
+                raise ValueError(f"a term with more than {DEEPEST} functions around one another: {text[:30]}..")
             continue
         if word:
             args.append(word if word[0] not in "-0123456789" else int(word))
@@ -134,12 +138,26 @@ def parse_term(text: str) -> Term:
     Raises:
         ValueError: If it is not a ground term.
     """
+    if _depth(text) > DEEPEST:
+        raise ValueError(f"a term with more than {DEEPEST} functions or signs around one another: {text[:30]}..")
     complaints: list[str] = []
     try:
         symbol = clingo.parse_term(text, logger=lambda _code, message: complaints.append(message.strip()))
     except RuntimeError as error:
         raise ValueError(f"{text!r} is not a ground term: {' '.join(complaints) or error}") from error
     return from_symbol(symbol)
+
+
+def _depth(text: str) -> int:
+    """Return how deep a written term can be at most: clingo calls itself for each bracket and each sign."""
+    deepest = depth = signs = 0
+    for mark in _DEEPENING.findall(text):
+        if mark in "()":
+            depth += 1 if mark == "(" else -1
+            deepest = max(deepest, depth)
+        else:
+            signs += 1
+    return deepest + signs
 
 
 def substitute(term: Term, binding: Mapping[Term, Term]) -> Term:

@@ -5,6 +5,7 @@ SkolemError
 ├── TraceError        a trace cannot be read or is not sound, exit code 3
 │   └── UnwrittenError  a trace cannot be written to its end: the disk is full
 └── InternalError     the product's own contract was broken (a rule file without exactly one answer set, ...)
+    └── RuleError     by rules, while they were asked; of a user's own rules it becomes an InputError
 
 May import: nothing.
 """
@@ -65,6 +66,9 @@ class InputError(SkolemError):
         self.faults = tuple(sorted(faults))
         super().__init__("\n".join(map(str, self.faults)))
 
+    def __reduce__(self) -> tuple[type["InputError"], tuple[tuple[Fault, ...]]]:
+        return type(self), (self.faults,)
+
 
 class TraceError(SkolemError):
     """A trace cannot be read or is not sound."""
@@ -76,3 +80,22 @@ class UnwrittenError(TraceError):
 
 class InternalError(SkolemError):
     """The product broke its own contract; the message names the file or step."""
+
+
+class RuleError(InternalError):
+    """Rules broke their contract while they were asked: of rules from others, a mistake of whoever wrote them.
+
+    Attributes:
+        about: A word that stands in the rule: a predicate, the functor of a fluent, or a query such as `@present`.
+    """
+
+    about: str
+
+    def __init__(self, message: "str | RuleError", about: str = "") -> None:
+        if isinstance(message, RuleError):  # clingo wraps what a query raises in another of its kind
+            about = message.about
+        super().__init__(str(message), about)
+        self.about = about
+
+    def __str__(self) -> str:
+        return str(self.args[0])

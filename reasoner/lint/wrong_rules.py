@@ -26,6 +26,8 @@ from skolem.traces.messages import HANDS
 
 NOT_A_FLUENT: Final = "not_a_fluent"  # the code of all these findings; never allowed
 
+_KINDS: Final[dict[type, str]] = {int: "a number", str: "a constant", Compound: "a tuple"}
+
 Files = Sequence[tuple[RuleFile, Sequence[AST]]]
 Found = Iterator[tuple[Source, str, str]]  # a rule, the code of its finding, a message
 
@@ -61,6 +63,7 @@ def wrong(shapes: Shapes, files: Files, vocabulary: Vocabulary | None) -> Found:
     for source, (name, arity), args in heads:
         if (name, arity) in (("cost", 3), ("precond", 3)) and _is_no_bound(args[2]):
             yield source, NOT_A_FLUENT, f"{name}/3 ends in a whole number from 0, found {args[2]}"
+    yield from _without_number(files)
     if vocabulary is not None:
         yield from _unknown_words(heads, files, vocabulary)
         yield from _other_quantities(heads, vocabulary)
@@ -102,6 +105,18 @@ def _heads(files: Files) -> Iterator[tuple[Source, tuple[str, int], tuple[Term, 
                 yield from ((Source.of(file, statement), *found) for found in stated(statement, constants))
 
 
+def _without_number(files: Files) -> Found:
+    """Yield rules that write `any` for a cost or a level; in a pattern it would stand for what is not known yet."""
+    for file, statements in files:
+        for statement in statements:
+            head = statement.head.atom.symbol if statement.ast_type is ASTType.Rule else None
+            for term in () if head is None else head.arguments if head.ast_type is ASTType.Pool else [head]:
+                said = list(term.arguments) if term.ast_type is ASTType.Function else []
+                if len(said) == 3 and term.name in ("cost", "precond") and str(said[2]) == ANY:
+                    message = f"{term.name}/3 ends in a whole number from 0, found {ANY}"
+                    yield Source.of(file, statement), NOT_A_FLUENT, message
+
+
 def _is_no_bound(term: Term) -> bool:
     return term != ANY and not (isinstance(term, int) and term >= 0)
 
@@ -135,14 +150,19 @@ def _other_quantities(heads: _Heads, vocabulary: Vocabulary) -> Found:
 def _wrong_arguments(files: Files, vocabulary: Vocabulary) -> Found:
     """Yield names in the arguments of queries that are of the wrong sort."""
     sorts = {"hand": HANDS, "quantity": QUANTITIES}
+    constants = constants_of(files)
     for file, statements in files:
         for statement in statements:
             source = Source.of(file, statement)
             for call in (n for n, kind in descend(statement) if kind is ASTType.Function and n.external):
-                for sort, term in zip(_parameters(call.name), map(written, call.arguments), strict=False):
-                    if not isinstance(term, str) or term == ANY or term.lstrip("-").isdigit():
+                for (sort, kind), term in zip(_parameters(call.name), map(written, call.arguments), strict=False):
+                    if term == ANY or str(term) in constants:
                         continue
-                    if sort == "word":
+                    if kind is not None and kind is not _kind(term):
+                        yield source, NOT_A_FLUENT, f"{term} in {call} is no {sort}: expected {_KINDS[kind]}"
+                    elif not isinstance(term, str) or kind is int:
+                        continue
+                    elif sort == "word":
                         yield from _no_word(source, term, str(call), vocabulary)
                     elif sort in sorts and term not in sorts[sort]:
                         yield (
@@ -152,10 +172,16 @@ def _wrong_arguments(files: Files, vocabulary: Vocabulary) -> Found:
                         )
 
 
-def _parameters(query: str) -> tuple[str, ...]:
-    """Return the names of the arguments of a query."""
+def _parameters(query: str) -> tuple[tuple[str, type | None], ...]:
+    """Return the name of each argument of a query and the kind of term it must be; None for any kind."""
     found = getattr(Queries, query, None)
-    return tuple(inspect.signature(found).parameters)[1:] if inspect.isfunction(found) else ()
+    parameters = list(inspect.signature(found).parameters.values())[1:] if inspect.isfunction(found) else []
+    return tuple((each.name, each.annotation if each.annotation in _KINDS else None) for each in parameters)
+
+
+def _kind(term: Term) -> type:
+    """Return the kind of a written term: a number, a constant, or a function or tuple."""
+    return int if str(term).lstrip("-").isdigit() else type(term)
 
 
 def _words(place: Term, term: Term) -> Iterator[str]:

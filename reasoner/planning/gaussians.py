@@ -81,7 +81,7 @@ def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
             needed[axis] = ANY
         else:
             before, more = math.floor(_UNIT * math.sqrt(after * sensor / (sensor - after))), round(_UNIT * sd) + 1
-            few = 1 / (more / _UNIT) ** 2 + _MOST_OBSERVATIONS / sensor >= 1 / after
+            few = after > 0 and 1 / (more / _UNIT) ** 2 + _MOST_OBSERVATIONS / sensor >= 1 / after
             needed[axis] = max(before, more) if few else before
     bounds = tuple(needed.get(axis, ANY) for axis in range(len(sigma.args)))
     return ANY if all(bound == ANY for bound in bounds) else Compound(sigma.name, bounds)

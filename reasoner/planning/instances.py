@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from skolem.reasoner.planning.patterns import mentions
 from skolem.reasoner.terms import Compound, Term
-from skolem.traces.errors import InternalError
+from skolem.traces.errors import RuleError
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ def read_instances(atoms: Mapping[str, Iterable[tuple[Term, ...]]]) -> tuple[Ins
     """Return all instances of one answer, rejected ones included, sorted by text.
 
     Raises:
-        InternalError: If a cost or a level is negative or not an integer.
+        RuleError: If a cost or a level is negative or not an integer.
     """
     parts: defaultdict[Term, _Parts] = defaultdict(_Parts)
     of = parts.__getitem__
@@ -132,7 +132,8 @@ def _instance(step: Term, p: _Parts) -> Instance:
 def _natural(term: Term, where: str) -> int:
     if isinstance(term, int) and term >= 0:
         return term
-    raise InternalError(f"{where}: the rules gave {term!s} where a whole number from 0 was expected")
+    about = where.partition("(")[0]
+    raise RuleError(f"{where}: the rules gave {term!s} where a whole number from 0 was expected", about)
 
 
 def title(operation: Term) -> str:

@@ -20,6 +20,8 @@ from skolem.traces.errors import InternalError, SkolemError
 _NOTE: Final = "why__"
 _ASKED: Final = "asked__"
 
+_Notes = dict[Term, tuple[str, int, tuple[Term, ...]]]  # atom -> file, line and body of the rule that derives it
+
 
 @dataclass(frozen=True, slots=True)
 class Proof:
@@ -52,30 +54,7 @@ class Derivation:
         Raises:
             InternalError: If clingo gives a message.
         """
-        names = [file.name for file, _ in rulebook.sources]
-        self._notes: dict[Term, tuple[str, int, tuple[Term, ...]]] = {}
-        messages: list[str] = []
-        control = clingo.Control(["--warn=none"], logger=lambda _code, text: messages.append(text))
-        with ast.ProgramBuilder(control) as builder:
-            for number, (file, statements) in enumerate(rulebook.sources):
-                if file.name not in COMPILED:
-                    for statement in statements:
-                        if statement.ast_type is not ASTType.ShowSignature:
-                            builder.add(statement)
-                        for noted in _noted(statement, number):
-                            builder.add(noted)
-            text = "".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT))
-            ast.parse_string(text + "".join(f"{fact}. " for fact in facts), builder.add)
-        try:
-            control.ground([("base", [])], context=_Context(queries))
-        except RuntimeError as error:
-            raise InternalError(f"clingo stopped: {'; '.join(messages) or error}") from error
-        for atom in control.symbolic_atoms.by_signature(_NOTE, 4):
-            place, line, head, body = atom.symbol.arguments
-            premises = tuple(map(from_symbol, body.arguments))
-            note = (names[place.number], line.number, premises)
-            key = from_symbol(head)
-            self._notes[key] = min(self._notes.get(key, note), note, key=str)
+        self._notes: _Notes = rulebook.perform(_derived, queries, facts)
 
     def proof(self, atom: Term, above: frozenset[Term] = frozenset()) -> Proof:
         """Return the proof of an atom; for a fact, the atom alone."""
@@ -90,6 +69,35 @@ class Derivation:
         """Return the derived atoms of a predicate, sorted."""
         found = [a for a in self._notes if isinstance(a, Compound) and (a.name, len(a.args)) == (name, arity)]
         return sorted(found, key=str)
+
+
+def _derived(rulebook: Rulebook, queries: object, facts: Sequence[Term]) -> _Notes:
+    """Return every derived atom with the file and line of its rule, and the atoms that the rule took."""
+    names = [file.name for file, _ in rulebook.sources]
+    notes: _Notes = {}
+    messages: list[str] = []
+    control = clingo.Control(["--warn=none"], logger=lambda _code, text: messages.append(text))
+    with ast.ProgramBuilder(control) as builder:
+        for number, (file, statements) in enumerate(rulebook.sources):
+            if file.name not in COMPILED:
+                for statement in statements:
+                    if statement.ast_type is not ASTType.ShowSignature:
+                        builder.add(statement)
+                    for noted in _noted(statement, number):
+                        builder.add(noted)
+        text = "".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT))
+        ast.parse_string(text + "".join(f"{fact}. " for fact in facts), builder.add)
+    try:
+        control.ground([("base", [])], context=_Context(queries))
+    except RuntimeError as error:
+        raise InternalError(f"clingo stopped: {'; '.join(messages) or error}") from error
+    for atom in control.symbolic_atoms.by_signature(_NOTE, 4):
+        place, line, head, body = atom.symbol.arguments
+        premises = tuple(map(from_symbol, body.arguments))
+        note = (names[place.number], line.number, premises)
+        key = from_symbol(head)
+        notes[key] = min(notes.get(key, note), note, key=str)
+    return notes
 
 
 class _Context:

@@ -10,7 +10,7 @@ from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.patterns import mentions
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
-from skolem.traces.errors import InternalError
+from skolem.traces.errors import InternalError, RuleError
 from skolem.traces.messages import HANDS, SENSING_HAND, Activity, Hand, Meaning, Quantity
 
 _ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
@@ -51,10 +51,14 @@ class Situation:
         """Return whether a ground fluent is true now; nothing is true of a Skolem constant.
 
         Raises:
-            InternalError: If the fluent is of a kind no rule may use.
+            RuleError: If the fluent is of a kind no rule may use.
         """
         if fluent not in self._holds:
-            self._holds[fluent] = not mentions(fluent, "sk") and self._evaluate(fluent)
+            try:
+                self._holds[fluent] = not mentions(fluent, "sk") and self._evaluate(fluent)
+            except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+                text = f"the rules ask for {fluent}, which cannot be evaluated: {type(error).__name__}: {error}"
+                raise RuleError(text, _functor(fluent)) from error
         return self._holds[fluent]
 
     def probability(self, phi: Term) -> float:
@@ -101,7 +105,8 @@ class Situation:
                 return not self.blockers(activity)
             case Compound("aside", (str(anchor), activity)):
                 return anchor not in self.blockers(activity)
-        raise InternalError(f"the rules ask for {fluent}, which is not a fluent the belief or the geometry can answer")
+        text = f"the rules ask for {fluent}, which is not a fluent the belief or the geometry can answer"
+        raise RuleError(text, _functor(fluent))
 
     def _gaussian_holds(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term, p: Term) -> bool:
         if anchor not in self._anchors:
@@ -129,7 +134,7 @@ class Situation:
                 return self._prob_all((word,), anchor)
             case Compound("holds", (Compound("", words), str(anchor))):
                 return self._prob_all(map(str, words), anchor)
-        raise InternalError(f"the rules ask for the probability of {phi}, which the belief cannot answer")
+        raise RuleError(f"the rules ask for the probability of {phi}, which the belief cannot answer", _functor(phi))
 
     def _prob_all(self, words: Iterable[str], anchor: str) -> float:
         """Return P(the object has each of some properties), given that it exists; 0 if that is not believed."""
@@ -141,10 +146,10 @@ class Situation:
         """Return P(the object has the property), given that it exists.
 
         Raises:
-            InternalError: If the vocabulary has no such word.
+            RuleError: If the vocabulary has no such word.
         """
         if word not in self.meanings:
-            raise InternalError(f"no property {word!r}; there are: {', '.join(sorted(self.meanings))}")
+            raise RuleError(f"no property {word!r}; there are: {', '.join(sorted(self.meanings))}", word)
         return self.belief.prob_property(anchor, self.meanings[word])
 
     def blockers(self, activity: Term) -> tuple[str, ...]:
@@ -174,7 +179,7 @@ class Situation:
         """Return the activity of a term such as `pick(right, o)`; None if it is impossible with the present hands.
 
         Raises:
-            InternalError: If there is no such activity.
+            RuleError: If there is no such activity.
         """
         match term:
             case Compound("look", (str(anchor),)):
@@ -191,28 +196,32 @@ class Situation:
             case Compound("weigh", (str(anchor),)):
                 holder = self.hand_of(anchor)
                 return None if holder is None else Activity("weigh", anchor, holder)
-        raise InternalError(f"the rules name the activity {term}; there are {_ACTIVITIES}")
+        raise RuleError(f"the rules name the activity {term}; there are {_ACTIVITIES}", _functor(term))
+
+
+def _functor(term: Term) -> str:
+    return term.name if isinstance(term, Compound) else str(term)
 
 
 def hand_named(name: str) -> Hand:
     """Return the hand of that name.
 
     Raises:
-        InternalError: If there is none.
+        RuleError: If there is none.
     """
     for hand in HANDS:
         if hand == name:
             return hand
-    raise InternalError(f"the rules name the hand {name!r}; there are {', '.join(HANDS)}")
+    raise RuleError(f"the rules name the hand {name!r}; there are {', '.join(HANDS)}", name)
 
 
 def quantity_named(name: str) -> Quantity:
     """Return the quantity of that name.
 
     Raises:
-        InternalError: If there is none.
+        RuleError: If there is none.
     """
     for quantity in QUANTITIES:
         if quantity == name:
             return quantity
-    raise InternalError(f"the rules name the quantity {name!r}; there are {', '.join(QUANTITIES)}")
+    raise RuleError(f"the rules name the quantity {name!r}; there are {', '.join(QUANTITIES)}", name)

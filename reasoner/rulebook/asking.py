@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import clingo
 
 from skolem.reasoner.terms import Term, from_symbol, to_symbol
-from skolem.traces.errors import InternalError
+from skolem.traces.errors import RuleError
 
 Symbols = clingo.Symbol | list[clingo.Symbol]  # a query's answer, to clingo
 
@@ -15,6 +15,11 @@ class Asked:
 
     def __init__(self, queries: object) -> None:
         self._queries = queries
+
+    @staticmethod
+    def source(asked: "Asked") -> object:
+        """Return the queries object; no method, since every other name is one of its queries."""
+        return asked._queries
 
     def __getattr__(self, name: str) -> Callable[..., Symbols]:
         memo: dict[tuple[clingo.Symbol, ...], Symbols] = {}
@@ -30,8 +35,9 @@ class Asked:
 
     def _answer(self, name: str, symbols: Sequence[clingo.Symbol]) -> Symbols:
         try:
-            found: Term | list[Term] = getattr(self._queries, name)(*map(from_symbol, symbols))
+            arguments = tuple(map(from_symbol, symbols))
+            found: Term | list[Term] = getattr(self._queries, name)(*arguments)
             return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
         except Exception as error:
             text = f"@{name}({', '.join(map(str, symbols))})"
-            raise InternalError(f"query {text} failed: {type(error).__name__}: {error}") from error
+            raise RuleError(f"query {text} failed: {type(error).__name__}: {error}", f"@{name}") from error

@@ -1,24 +1,25 @@
 """The rulebook: rule files that are loaded and validated once, and solved for every question."""
 
 import hashlib
+import re
 import weakref
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
-from clingo.ast import AST
+from clingo.ast import AST, ASTType
 
 from skolem.reasoner.rulebook.asking import Asked
 from skolem.reasoner.rulebook.examination import examine
 from skolem.reasoner.rulebook.files import RuleFile, explain
 from skolem.reasoner.rulebook.parts import Atom, Signature, Statement
-from skolem.reasoner.rulebook.questions import Question, Questions
+from skolem.reasoner.rulebook.questions import Question, Questions, Solved
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.reasoner.terms import Compound, Term
-from skolem.traces.errors import Fault, InputError, InternalError
+from skolem.traces.errors import Fault, InputError, InternalError, RuleError, SkolemError
 
 RULE_FILES: Final = (  # the table of contents of the folder rules/
     "vocabulary",  # words and their meanings
@@ -36,6 +37,7 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "regress",  # the atoms that one regression step reads
 )
 ABOUT_DESCRIPTIONS: Final = "denote"  # the one file that is not about steps
+_MOST_PLACES: Final = 5  # that one fault of rules is attributed to
 COMPILED: Final = (ABOUT_DESCRIPTIONS, "mutex")  # asked once before a search, and left out of its questions
 
 
@@ -67,6 +69,14 @@ class Answers:
     asked: bool
 
 
+class Elsewhere(Protocol):
+    """Another process that has read the same rules, and has clingo answer questions about them."""
+
+    def __call__(self, work: Callable[..., Any], queries: object, *arguments: object) -> Any:
+        """Return what `work` returns of the rules, of queries that are answered here, and of some arguments."""
+        ...
+
+
 @dataclass(frozen=True)
 class Rulebook:
     """Rule files that passed validation.
@@ -83,6 +93,7 @@ class Rulebook:
     _statements: Mapping[str, Sequence[Statement]] = field(repr=False)
     _sources: Sequence[RuleFile] = field(repr=False)
     _ready: dict[tuple[str, ...], Questions] = field(default_factory=dict, repr=False)  # by the names of their files
+    _elsewhere: Elsewhere | None = field(default=None, repr=False)
 
     @classmethod
     def load(cls, queries_type: type, extra: Sequence[Path] = (), folder: Path | None = None) -> "Rulebook":
@@ -101,8 +112,13 @@ class Rulebook:
         return cls.of(queries_type, sources)
 
     @classmethod
-    def of(cls, queries_type: type, sources: Sequence[RuleFile]) -> "Rulebook":
+    def of(cls, queries_type: type, sources: Sequence[RuleFile], elsewhere: Elsewhere | None = None) -> "Rulebook":
         """Return the rules in files that are already read; they are loaded in the order of `sources`.
+
+        Args:
+            queries_type: The class whose public methods rules may call as @functions.
+            sources: The files.
+            elsewhere: Where clingo is to answer questions about them; None for this process.
 
         Raises:
             InputError: With every fault in every file.
@@ -111,7 +127,7 @@ class Rulebook:
         _raise(examined.faults)
         statements = {file.name: found for file, found in examined.files}
         contents = {f"{file.name}.lp": file.content for file in sources}
-        book = cls(examined.vocabulary, contents, examined.warnings, statements, sources)
+        book = cls(examined.vocabulary, contents, examined.warnings, statements, sources, {}, elsewhere)
         weakref.finalize(
             book, _clear, statements, book._ready
         )  # at exit, syntax trees must be gone before clingo's library is
@@ -164,14 +180,63 @@ class Rulebook:
         if unknown:
             raise InternalError(f"no rule file {unknown[0]!r}; there are: {', '.join(self._statements)}")
         names = tuple(self._statements if files is None else files)
-        if names not in self._ready:
-            self._ready[names] = Questions([statement for name in names for statement in self._statements[name]])
-        solved = self._ready[names].solve(questions, asked)
+        if self._elsewhere is None:
+            solved = self.solved(asked, questions, names)
+        else:
+            solved = self._elsewhere(_solved, Asked.source(asked), questions, names)
         if solved.messages:
-            raise InternalError("\n".join(str(fault) for fault in explain(solved.messages, self._sources)))
+            raise self._refused(explain(solved.messages, self._sources))
         if solved.models != 1:
             raise InternalError(f"the rules {', '.join(names)} have {solved.models or 'no'} answer sets instead of one")
         return Answers([_by_predicate(shown) for shown in solved.shown], solved.ground_atoms, solved.asked)
+
+    def solved(self, asked: Asked, questions: Sequence[Question], names: tuple[str, ...]) -> Solved:
+        """Return what clingo answers in this process, its messages included."""
+        if names not in self._ready:
+            self._ready[names] = Questions([statement for name in names for statement in self._statements[name]])
+        return self._ready[names].solve(questions, asked)
+
+    def perform(self, work: Callable[..., Any], queries: object, *arguments: object) -> Any:
+        """Return what `work` returns of these rules, of queries and of arguments, wherever clingo works on them."""
+        if self._elsewhere is None:
+            return work(self, queries, *arguments)
+        return self._elsewhere(work, queries, *arguments)
+
+    @contextmanager
+    def answerable(self) -> Iterator[None]:
+        """Make what a user's own rules do against the contract of rules a fault of theirs, with file and line.
+
+        Raises:
+            InputError: Instead of a `RuleError`, if there are rules that do not ship.
+        """
+        try:
+            yield
+        except RuleError as error:
+            faults = self._blamed(error)
+            if not faults:
+                raise
+            raise InputError(faults) from error
+
+    def _blamed(self, error: RuleError) -> list[Fault]:
+        """Return a fault at each rule of others that says what an error is about; without any, one for each file."""
+        foreign = [file for file in self._sources if not file.ships]
+        word = re.compile(rf"(?<![\w@]){re.escape(error.about)}(?!\w)")
+        places = [
+            file.fault(s.tree.location.begin.line, s.tree.location.begin.column, str(error))
+            for file in foreign
+            for s in self._statements[file.name]
+            if error.about and s.kind is ASTType.Rule and word.search(str(s.tree))
+        ]
+        return places[:_MOST_PLACES] or [Fault(file.title, 0, 0, f"with these rules, {error}") for file in foreign]
+
+    def _refused(self, faults: Sequence[Fault]) -> SkolemError:
+        """Return what to raise for faults that show only while questions are answered."""
+        ship = all(file.ships for file in self._sources)
+        return InternalError("\n".join(map(str, faults))) if ship else InputError(faults)
+
+
+def _solved(rules: Rulebook, queries: object, questions: Sequence[Question], names: tuple[str, ...]) -> Solved:
+    return rules.solved(Asked(queries), questions, names)
 
 
 def _by_predicate(shown: Iterable[Term]) -> dict[str, list[tuple[Term, ...]]]:
@@ -199,7 +264,9 @@ def rule_files(extra: Sequence[Path] = (), folder: Path | None = None) -> tuple[
         with ExitStack() as stack:
             place = resources.files("skolem.rules")
             paths = [stack.enter_context(resources.as_file(place / f"{name}.lp")) for name in RULE_FILES]
-            shipped = [RuleFile(p.stem, f"rules/{p.name}", str(p), p.read_bytes(), own=False) for p in paths]
+            shipped = [
+                RuleFile(p.stem, f"rules/{p.name}", str(p), p.read_bytes(), own=False, ships=True) for p in paths
+            ]
     else:
         found, faults = _own_files([folder / f"{name}.lp" for name in RULE_FILES], set())
         shipped = [replace(file, own=False) for file in found]

@@ -92,7 +92,12 @@ def examine(sources: Sequence[RuleFile], queries_type: type, complete: bool = Tr
     grounded, control = _grounded(kept, strict=whole and not faults)
     faults += grounded
     certain = whole and not checked.uncertain and not grounded
-    vocabulary, wrong, warnings = read_vocabulary(_word_facts(control, kept), certain)
+    try:
+        words = _word_facts(control, kept)
+    except ValueError as error:  # #inf, the greatest of nothing, or a term that is too deep
+        faults += [Fault(file.title, 0, 0, f"a word is derived with {error}") for file in sources if not file.ships]
+        words, certain = [], False
+    vocabulary, wrong, warnings = read_vocabulary(words, certain)
     doubt = Doubt(whole, checked.uncertain, bool(wrong) or not certain)
     return Examined(vocabulary, tuple(dict.fromkeys([*faults, *wrong])), tuple(warnings), doubt, kept)
 

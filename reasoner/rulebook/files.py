@@ -1,7 +1,13 @@
-"""Rule files as texts, parsed into statements and faults."""
+"""Rule files as texts, parsed into statements and faults.
+
+Rule files from others are data: reading one opens no other file. clingo opens what `#include` names while it parses, so
+a file from others is first parsed where the system refuses to open anything, and what clingo complains of is a fault.
+"""
 
 import re
-from collections.abc import Iterable, Sequence
+import resource
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,11 +18,16 @@ from skolem.traces.errors import Fault
 
 MAX_BYTES: Final = 200_000
 GREATEST: Final = 2**31 - 1  # clingo counts in 32 bits and overflows without a message
-_SKIPPED_OR_TOKEN: Final = re.compile(
-    r"""%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\])*"|(?P<include>\#include\b)|(?<![\w'])(?P<number>[1-9]\d*)\b"""
-    r"""|(?P<foreign>[^\x00-\x7f]+)""",  # clingo would print half a character, which cannot be decoded
-    re.DOTALL,
+DEEPEST: Final = 100  # brackets and operators around a term: whoever walks over terms calls himself for each
+_LONGEST: Final = 34  # a number in digits: one of 32 bits is not longer
+_TOKEN: Final = re.compile(  # as clingo's lexer reads them: a text ends on its line
+    r"""(?P<block>%\*)|%[^\n]*|"(?:\\["\\n]|[^"\\\n])*"|(?P<include>\#include)|(?<![\w'])(?P<number>0[xob][\da-fA-F]+|[1-9]\d*)\b"""
+    r"""|(?P<open>[(\[{])|(?P<close>[)\]}])|(?P<next>[,;:.])|(?P<operator>[-+*/\\&?^~|@])"""
+    r"""|(?P<foreign>[^\t\r\n\x20-\x7e]+)""",  # clingo would print half a character, which cannot be decoded
 )
+_BLOCK_MARK: Final = re.compile(r"%\*|\*%")
+_NOT_OPENED: Final = "file could not be opened"
+_NO_INCLUDE: Final = "#include is not allowed: name each file"
 _MESSAGE: Final = re.compile(r"(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: (?P<kind>\w+): (?P<text>.*)")
 _UNSAFE: Final = re.compile(r":(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: note: '(?P<name>.+?)' is unsafe")
 
@@ -31,6 +42,8 @@ class RuleFile:
         path: The path it was read from, which clingo's messages carry.
         content: Its bytes.
         own: Whether it is a user's own file.
+        ships: Whether its content is that of a file that ships.
+        parsed: Whether it was parsed before, by a process that can be spared.
     """
 
     name: str
@@ -38,6 +51,8 @@ class RuleFile:
     path: str
     content: bytes
     own: bool
+    ships: bool = False
+    parsed: bool = False
 
     def fault(self, line: int, column: int, message: str) -> Fault:
         """Return a fault at a position in this file, with the text of that line."""
@@ -53,13 +68,11 @@ def parse(file: RuleFile) -> tuple[list[AST], list[Fault]]:
         text = file.content.decode()
     except UnicodeDecodeError as error:
         return [], [Fault(file.title, 0, 0, f"not UTF-8: byte {error.start}")]
-    refused = [
-        file.fault(*_place(text, match.start()), message)
-        for match in _SKIPPED_OR_TOKEN.finditer(text)
-        if (message := _token_refusal(match))
-    ]
-    if refused:
-        return [], refused
+    if not (file.ships or file.parsed):
+        refused = [file.fault(*_place(text, at), message) for at, message in _refused_tokens(text)]
+        refused = refused or _refused_statements(file)
+        if refused:
+            return [], refused
     statements: list[AST] = []
     messages: list[str] = []
     try:
@@ -69,15 +82,74 @@ def parse(file: RuleFile) -> tuple[list[AST], list[Fault]]:
     return [s for s in statements if s.ast_type is not ASTType.Comment], explain(messages, [file])
 
 
-def _token_refusal(match: re.Match[str]) -> str:
-    """Return why a token is not allowed that the syntax tree does not keep."""
-    if match["include"]:
-        return "#include is not allowed: name each file"
-    if match["foreign"]:
-        return f"{match['foreign']!r} is not ASCII: outside of comments and texts, rules are"
-    if match["number"] and int(match["number"]) > GREATEST:
-        return f"{match['number']} does not fit 32 bits: at most {GREATEST}"
-    return ""
+def _refused_tokens(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the position of each token that is not allowed, with the reason; the syntax tree does not keep them."""
+    around: list[int] = []  # for each open bracket, how many operators stand around it
+    operators, end = 0, 0
+    while (match := _TOKEN.search(text, end)) is not None:
+        end = match.end()
+        match match.lastgroup:
+            case "block":
+                end = _end_of_comment(text, end)
+            case "include":
+                yield match.start(), _NO_INCLUDE
+            case "foreign":
+                yield match.start(), f"{match[0]!r} is not ASCII: outside of comments and texts, rules are"
+            case "number" if len(match[0]) > _LONGEST or int(match[0], 0) > GREATEST:
+                said = match[0] if len(match[0]) <= _LONGEST else f"a number of {len(match[0])} digits"
+                yield match.start(), f"{said} does not fit 32 bits: at most {GREATEST}"
+            case "open":
+                around.append(operators)
+            case "close" if around:
+                operators = around.pop()
+            case "next":
+                operators = around[-1] if around else 0
+            case "operator":
+                operators += 1
+        if match.lastgroup in ("open", "operator") and len(around) + operators == DEEPEST + 1:
+            yield match.start(), f"more than {DEEPEST} brackets and operators around one term; state it in parts"
+
+
+def _end_of_comment(text: str, begin: int) -> int:
+    """Return where a comment `%* .. *%` ends; others may stand inside of it."""
+    depth = 1
+    while depth and (mark := _BLOCK_MARK.search(text, begin)) is not None:
+        depth += 1 if mark[0] == "%*" else -1
+        begin = mark.end()
+    return begin if not depth else len(text)
+
+
+def _refused_statements(file: RuleFile) -> list[Fault]:
+    """Return a fault for each statement that would have clingo open a file, or read a second one as if it were here."""
+    programs: list[AST] = []
+    messages: list[str] = []
+
+    def keep(statement: AST) -> None:
+        if statement.ast_type is ASTType.Program:
+            programs.append(statement)
+
+    with _nothing_opened():
+        try:
+            ast.parse_string(file.content.decode(), keep, logger=lambda _code, text: messages.append(text))
+        except RuntimeError:
+            pass  # the messages say why
+    places = [found for text in messages if _NOT_OPENED in text and (found := _MESSAGE.match(text))]
+    faults = [file.fault(int(found["line"]), int(found["column"]), _NO_INCLUDE) for found in places]
+    for program in programs[1:]:  # clingo begins with one, and comes back to it after each file that it includes
+        begin = program.location.begin
+        faults.append(file.fault(begin.line, begin.column, "#program is not allowed in a rule file; leave it out"))
+    return faults
+
+
+@contextmanager
+def _nothing_opened() -> Iterator[None]:
+    """Have the system refuse to open files for a while."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 
 def explain(messages: Iterable[str], files: Sequence[RuleFile]) -> list[Fault]:

@@ -21,7 +21,7 @@ from skolem.reasoner.rulebook.parts import Signature, Statement, without_pools
 from skolem.reasoner.rulebook.shapes import Program, predicates, shape, shaped
 from skolem.reasoner.rulebook.validate import INPUT
 from skolem.reasoner.terms import Compound, Term, read_term, to_symbol
-from skolem.traces.errors import InternalError
+from skolem.traces.errors import InternalError, RuleError
 
 # One thread, a fixed seed, every message; two models are asked for to notice a second one.
 CLINGO_OPTIONS: Final = ("--parallel-mode=1", "--seed=1", "--warn=all", "--models=2")
@@ -108,7 +108,10 @@ class Questions:
             for model in handle:
                 solved.models += 1
                 if solved.models == 1:
-                    solved.ground_atoms += _distribute(model.symbols(shown=True), solved.shown)
+                    try:
+                        solved.ground_atoms += _distribute(model.symbols(shown=True), solved.shown)
+                    except ValueError as error:  # a text, #inf or #sup that was computed; terms that are too deep
+                        raise RuleError(str(error)) from error
         solved.ground_atoms += len(control.symbolic_atoms)
         return solved
 

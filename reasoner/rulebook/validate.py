@@ -1,8 +1,8 @@
 """The checks of rule files on their syntax trees; every fault has a position.
 
 Rules have exactly one answer set, by construction: facts and rules with one atom as head, no recursion through negation
-or an aggregate, no recursion that may never end. Input and output predicates are named here; every other predicate that
-is used must be defined, and the other way round.
+or an aggregate. What they derive may be of any size: whoever loads rules from others bounds it. Input and output
+predicates are named here; every other predicate that is used must be defined, and the other way round.
 """
 
 import inspect
@@ -16,10 +16,8 @@ from typing import Final
 from clingo import SymbolType, ast
 from clingo.ast import AST, ASTType
 
-from skolem.reasoner.rulebook.counting import WIDEST
 from skolem.reasoner.rulebook.files import GREATEST, RuleFile
 from skolem.reasoner.rulebook.parts import Atom, Nested, Part, Signature, Statement
-from skolem.reasoner.rulebook.recursion import endless, reached
 from skolem.reasoner.rulebook.vocabulary import WORD_FACTS
 from skolem.traces.errors import Fault
 
@@ -66,8 +64,8 @@ WITHOUT_PREDICATES: Final = frozenset(  # comparisons, and terms that may stand 
     }
 )
 # Signs in the text of terms that may be wrong: a @function, a text, a sum or product, a number of ten digits, an
-# interval. Most rules have none, and text is far quicker to search than a tree.
-_WORTH_A_LOOK: Final = re.compile(r'[-+*@"]|\d{10}|\.\.')
+# interval, #inf. Most rules have none, and text is far quicker to search than a tree.
+_WORTH_A_LOOK: Final = re.compile(r'[-+*@"#]|\d{10}|\.\.')
 _PERHAPS_NUMBERS: Final = frozenset({ASTType.SymbolicTerm, ASTType.Function, ASTType.BinaryOperation})
 _ARITHMETIC: Final[dict[int, Callable[[int, int], int]]] = {
     ast.BinaryOperator.Plus: operator.add,
@@ -78,6 +76,8 @@ _ARITHMETIC: Final[dict[int, Callable[[int, int], int]]] = {
     ast.BinaryOperator.Power: lambda a, b: a**b,
 }
 _GREATEST_POWER: Final = 64
+_WIDEST: Final = 10_000  # most numbers in an interval
+_LONGEST: Final = 20  # digits of a number in a fault
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,6 @@ def check(files: Sequence[tuple[RuleFile, Sequence[Statement]]], queries_type: t
     for file, statements in files:
         for statement in statements:
             seen.read(file, statement)
-    seen.refuse_endless(files)
     names = _check_names(seen, whole)
     faults = [*seen.faults, *_check_calls(seen, queries_type), *names.faults, *_check_stratified(seen)]
     faults += _check_words(seen)
@@ -147,10 +146,15 @@ def constant_value(node: AST, constants: Mapping[str, int | None]) -> int | None
 
 
 def _computed(operation: int, left: int, right: int) -> int | None:
-    """Return the result of an operation on two numbers; None if it is undefined or a power is too large to compute."""
+    """Return the result of an operation on two numbers; None if it is undefined, or a number in it a fault by itself.
+
+    A power that does not fit 32 bits by far is replaced by a smaller one that does not fit them either.
+    """
     power = operation == ast.BinaryOperator.Power
-    if (right == 0 and not power) or (power and not 0 <= right <= _GREATEST_POWER):
+    if (right < 0 if power else right == 0) or max(abs(left), abs(right)) > GREATEST:
         return None
+    if power and right > _GREATEST_POWER:
+        right = _GREATEST_POWER + right % 2
     return _ARITHMETIC[operation](left, right)
 
 
@@ -195,24 +199,10 @@ class _Seen:
             about = statement.tree if statement.head is None else statement.head.tree
             self.missing.update(use.signature for use in _uses_inside(about, at, strict=False))
 
-    def refuse_endless(self, files: Sequence[tuple[RuleFile, Sequence[Statement]]]) -> None:
-        """Refuse rules whose grounding may never end, so that it is not begun."""
-        rules = {
-            statement: file
-            for file, statements in files
-            for statement in statements
-            if isinstance(statement.head, Atom) and INPUT.isdisjoint(statement.head.signatures)
-        }
-        for rule, message in endless((rule for rule in rules if rule not in self.refused), self.constants):
-            begin = rule.tree.location.begin
-            self.faults.append(rules[rule].fault(begin.line, begin.column, message))
-            self.refused.append(rule)
-            self.missing.update(signatures(rule.tree.head.atom))
-
     def _read(self, statement: Statement, at: _At) -> None:
         kind, tree, head = statement.kind, statement.tree, statement.head
         if kind is ASTType.Program and tree.name == "base" and not tree.parameters:
-            return
+            return  # clingo begins each file with it; `parse` refuses a second one
         if kind not in _ALLOWED:
             self.faults.append(at(tree)(f"{_NAMES.get(kind, str(kind))} is not allowed in a rule file; leave it out"))
             return
@@ -236,13 +226,18 @@ class _Seen:
                 self.calls.append((node.name, len(node.arguments), at(node)))
             if kind is ASTType.SymbolicTerm and node.symbol.type is SymbolType.String:
                 self.faults.append(at(node)(f'{node} is a text; rules are written in constants: a_whim, not "a whim"'))
+            if kind is ASTType.SymbolicTerm and node.symbol.type in (SymbolType.Infimum, SymbolType.Supremum):
+                self.faults.append(at(node)(f"{node} is no term of the rules; leave the bound out, or write any"))
             if kind is ASTType.Interval:
                 ends = [constant_value(end, self.constants) for end in (node.left, node.right)]
-                if ends[0] is not None and ends[1] is not None and ends[1] - ends[0] >= WIDEST:
-                    self.faults.append(at(node)(f"{node} is more than {WIDEST} numbers; bound it by something smaller"))
+                if ends[0] is not None and ends[1] is not None and ends[1] - ends[0] >= _WIDEST:
+                    self.faults.append(
+                        at(node)(f"{node} is more than {_WIDEST} numbers; bound it by something smaller")
+                    )
             value = constant_value(node, self.constants) if kind in _PERHAPS_NUMBERS else None
             if value is not None and abs(value) > GREATEST:
-                self.faults.append(at(node)(f"{node} is {value}, which does not fit 32 bits: at most {GREATEST}"))
+                said = value if abs(value) < 10**_LONGEST else f"a number of more than {_LONGEST} digits"
+                self.faults.append(at(node)(f"{node} is {said}, which does not fit 32 bits: at most {GREATEST}"))
 
     def _read_head(self, head: Part, at: _At, uses: list[_Use]) -> None:
         derived = head.signatures if isinstance(head, Atom) and not head.sign else _derived(head.tree)
@@ -307,6 +302,17 @@ def _uses_inside(element: AST, at: _At, strict: bool) -> Iterator[_Use]:
         strict = strict or (kind is ASTType.Literal and bool(element.sign))
         for inner in children(element, kind):
             yield from _uses_inside(inner, at, strict)
+
+
+def reached(start: Signature, uses: Mapping[Signature, set[Signature]]) -> set[Signature]:
+    """Return the predicates that one depends on, directly or through others; itself only if it is recursive."""
+    found: set[Signature] = set()
+    waiting = [start]
+    while waiting:
+        new = uses.get(waiting.pop(), set()) - found
+        found |= new
+        waiting += new
+    return found
 
 
 def _check_calls(seen: _Seen, queries_type: type) -> Iterator[Fault]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from skolem.reasoner.planning.queries import Queries
-from skolem.reasoner.rulebook.book import RULE_FILES, Rulebook
+from skolem.reasoner.rulebook.book import RULE_FILES, Rulebook, rule_files
 from skolem.reasoner.rulebook.files import RuleFile
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.made_of import RULES
@@ -78,14 +78,10 @@ class Rulebooks:
         if key not in self._known:
             titles = {name: (self._folder if name in replaced else RULES) + name for name in files}
             try:
-                rulebook = _read(files, titles)
+                rulebook = _read(files, titles, steps=bool(replaced))
             except InputError as error:
                 hints = self._hints(error.faults, Overlay.of(attachments, replaced).kept if replaced else ())
                 raise InputError([*error.faults, *hints]) from error
-            if replaced:
-                from skolem.reasoner.lint.wrong_rules import refuse_wrong  # slow to import; other replays need it not
-
-                refuse_wrong(rulebook)
             self._known[key] = rulebook
         return self._known[key]
 
@@ -102,8 +98,15 @@ def _attached(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
     return {name.removeprefix(RULES): data for name, data in attachments.items() if name.startswith(RULES)}
 
 
-def _read(files: Mapping[str, bytes], titles: Mapping[str, str]) -> Rulebook:
-    """Return the rules in `files`; faults name them by their titles, not by the paths that clingo reads."""
+def _read(files: Mapping[str, bytes], titles: Mapping[str, str], steps: bool) -> Rulebook:
+    """Return the rules in `files`; faults name them by their titles, not by the paths that clingo reads.
+
+    Args:
+        files: Content of each file by its name.
+        titles: Title of each file by its name.
+        steps: Whether to refuse rules that would stop a run; those of a recorded run have not stopped it.
+    """
+    ships = {f"{file.name}.lp": file.content for file in rule_files()[0]}
     shipped = [f"{name}.lp" for name in RULE_FILES]
     order = [*(name for name in shipped if name in files), *sorted(files.keys() - set(shipped))]
     with tempfile.TemporaryDirectory() as folder:  # clingo reads files
@@ -111,11 +114,18 @@ def _read(files: Mapping[str, bytes], titles: Mapping[str, str]) -> Rulebook:
         for number, name in enumerate(order):
             path = Path(folder) / f"{number}.lp"  # a name from a trace must not decide the path
             path.write_bytes(files[name])
+            as_shipped = ships.get(name) == files[name]
             sources.append(
-                RuleFile(name.removesuffix(".lp"), titles[name], str(path), files[name], name not in shipped)
+                RuleFile(
+                    name.removesuffix(".lp"), titles[name], str(path), files[name], name not in shipped, as_shipped
+                )
             )
         try:
-            return Rulebook.of(Queries, sources)
+            if all(file.ships for file in sources):
+                return Rulebook.of(Queries, sources)
+            from skolem.tools.loop.apart import rulebook_of as bounded  # takes time, and other replays do without
+
+            return bounded(sources, steps)
         except InputError as error:
             raise InputError(_retold(fault, sources) for fault in error.faults) from error
 

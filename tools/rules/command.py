@@ -13,7 +13,7 @@ from skolem.tools.words.faults import fault_rows
 from skolem.traces.errors import Fault, InputError
 
 if TYPE_CHECKING:
-    from skolem.reasoner.rulebook.book import Rulebook
+    from skolem.reasoner.rulebook.files import RuleFile
 
 app = typer.Typer(
     add_completion=False,
@@ -59,16 +59,23 @@ class Complaint:
 
 def _complaints(paths: Sequence[Path]) -> tuple[list[Complaint], bool]:
     """Return all complaints about rule files, sorted by position, and whether the list is complete."""
-    from skolem.reasoner.lint.linting import findings
-    from skolem.reasoner.lint.wrong_rules import NOT_A_FLUENT
-    from skolem.reasoner.planning.queries import Queries
     from skolem.reasoner.rulebook.book import rule_files
-    from skolem.reasoner.rulebook.examination import examine
+    from skolem.tools.loop.apart import bounded
 
     try:
         sources, unread = rule_files(*_meant(paths))
+        return bounded(sources, lambda: _examined(sources, unread))
     except InputError as error:
         return [Complaint(fault, "error", "refused") for fault in error.faults], False
+
+
+def _examined(sources: "Sequence[RuleFile]", unread: Sequence[Fault]) -> tuple[list[Complaint], bool]:
+    """Return everything to say of rule files that are read."""
+    from skolem.reasoner.lint.linting import findings
+    from skolem.reasoner.lint.wrong_rules import NOT_A_FLUENT
+    from skolem.reasoner.planning.queries import Queries
+    from skolem.reasoner.rulebook.examination import examine
+
     examined = examine(sources, Queries, complete=not unread)
     found = [Complaint(fault, "error", "refused") for fault in (*unread, *examined.faults)]
     found += [Complaint(fault, "warning", "words") for fault in examined.warnings]
@@ -91,9 +98,19 @@ def doc(
     Exit status: 0 written, 2 the rules have a fault.
     """
     from skolem.reasoner.lint.docs import reference, sections
+    from skolem.reasoner.planning.queries import Queries
+    from skolem.reasoner.rulebook.book import Rulebook, rule_files
+    from skolem.tools.loop.apart import bounded
 
-    rulebook = _load(paths or [])
-    text = json_format.dumps(sections(rulebook)) + "\n" if json else reference(rulebook)
+    sources, unread = rule_files(*_meant(paths or []))
+    if unread:
+        raise InputError(unread)
+
+    def written() -> str:
+        rulebook = Rulebook.of(Queries, sources)
+        return json_format.dumps(sections(rulebook)) + "\n" if json else reference(rulebook)
+
+    text = bounded(sources, written)
     if out is None:
         print(text, end="")
         return
@@ -101,17 +118,6 @@ def doc(
         out.write_text(text, encoding="utf-8")
     except OSError as error:
         raise InputError([Fault(str(out), 0, 0, f"cannot write here: {error.strerror}")]) from error
-
-
-def _load(paths: Sequence[Path]) -> "Rulebook":
-    """Return the rules in the given files.
-
-    Raises:
-        InputError: With every fault in them.
-    """
-    from skolem.reasoner import load_rules
-
-    return load_rules(*_meant(paths))
 
 
 def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:

@@ -123,9 +123,9 @@ def test_a_query_that_fails_is_named_with_its_arguments(tmp_path: Path) -> None:
         book.solve([parse_term("goal(krd(o2))")], Broken.__new__(Broken), ["own"])
 
 
-def test_what_clingo_remarks_while_solving_is_an_error_with_its_place(tmp_path: Path) -> None:
+def test_what_clingo_remarks_while_solving_is_a_fault_of_own_rules_with_its_place(tmp_path: Path) -> None:
     book = own_rules(tmp_path, "m(N + 1) :- goal(krd(N)). #show m/1.")
-    with pytest.raises(InternalError, match=r"own\.lp:1:3: operation undefined: \(N\+1\)"):
+    with pytest.raises(InputError, match=r"own\.lp:1:3: operation undefined: \(N\+1\)"):
         book.solve([parse_term("goal(krd(heavy))")], None, ["own"])
 
 

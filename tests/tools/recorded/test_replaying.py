@@ -14,16 +14,19 @@ from kit.recordings import recorded, rewritten, unchanged
 
 from skolem.reasoner.agent import Agent
 from skolem.reasoner.planning.instances import Instance
+from skolem.reasoner.rulebook.book import rule_files
 from skolem.tools import cli
 from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
 from skolem.tools.recorded.fingerprint import differences
 from skolem.tools.recorded.replaying import Options, Replayed, replay
+from skolem.tools.recorded.rules import Rulebooks
 from skolem.tools.recorded.run import RecordedRun
 from skolem.traces.compare.diff import Tolerance, tolerance_for
 from skolem.traces.errors import InputError, InternalError, TraceError
 from skolem.traces.file.codec import counter_of
+from skolem.traces.file.made_of import RULES
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import JSON_TOPICS, ActionResult, Decision, Memory, Message, Observation, Plan
 
@@ -336,3 +339,15 @@ def test_decisions_are_the_same_on_another_machine(machine: dict[str, str]) -> N
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count('"status": "identical"') == len(paths)
+
+
+@pytest.mark.parametrize(
+    "text", ['"\n#include "/etc/passwd".\n"', '%* %* *% *%#include "/etc/passwd".', "#script (lua)\n#end."]
+)
+def test_rules_in_a_trace_open_no_file_of_the_machine(text: str) -> None:
+    shipped = {f"{RULES}{file.name}.lp": file.content for file in rule_files()[0]}
+    with pytest.raises(InputError) as caught:
+        Rulebooks().of(shipped | {f"{RULES}own.lp": text.encode()})
+    assert {fault.file for fault in caught.value.faults} == {f"{RULES}own.lp"}
+    assert "is not allowed" in str(caught.value)
+    assert "root:" not in str(caught.value)
