@@ -49,6 +49,23 @@ def test_the_mean_is_compared_around_the_turn_of_hue_and_heading() -> None:
     assert gaussians.holds("pose", about, *bounds, SURE)
 
 
+def test_a_mean_at_the_edge_of_the_tolerance_is_near_enough_and_a_covariance_a_hundredth_too_large_is_not() -> None:
+    bounds = parse_term("v(500)"), parse_term("sd(9)"), parse_term("tol(250)")
+    assert gaussians.holds("weight", Normal(np.array([0.25]), np.eye(1) * 1e-6, 1.0), *bounds, SURE)
+    assert not gaussians.holds("weight", Normal(np.array([0.249]), np.eye(1) * 1e-6, 1.0), *bounds, SURE)
+    wide = pose(np.diag([0.00808, 0.008, 1.0]) ** 2)
+    assert not gaussians.holds("pose", wide, "any", parse_term("sd(8,8,any)"), "any", SURE)
+
+
+def test_a_volume_of_every_hue_asks_for_none() -> None:
+    any_hue = HsvVolume(hue=(0.0, 1.0), saturation=(0.4, 1.0), value=(0.2, 1.0))
+    prior = Normal(np.array([0.5, 0.6, 0.6]), np.diag([0.5, 0.3, 0.3]) ** 2, 1.0)
+    found = gaussians.band(any_hue, prior, np.diag([0.01, 0.03, 0.03]) ** 2, 0.9)
+    assert found is not None
+    mu, _, delta = _compounds(found)
+    assert (mu.args[0], delta.args[0]) == (500, 500)
+
+
 @given(st.floats(0.5, 30.0), st.floats(1.0, 40.0), st.floats(-0.9, 0.9), st.integers(2, 40), st.integers(2, 40))
 def test_one_observation_from_what_was_needed_before_gives_what_was_asked_to_a_thousandth(
     a_mm: float, b_mm: float, correlation: float, x_mm: int, y_mm: int
@@ -110,6 +127,11 @@ def test_a_sensor_far_coarser_than_the_set_has_no_band() -> None:
 @pytest.mark.parametrize(("p", "used"), [(0.900, 0.700), (0.95, 0.750), (0.98, 0.780), (0.3, 0.1)])
 def test_a_discrete_look_is_not_trusted_to_turn_a_belief_around(p: float, used: float) -> None:
     assert gaussians.before_reading(p, 0.95) == pytest.approx(used)
+
+
+def test_a_poor_reading_needs_what_bayes_needs() -> None:
+    assert gaussians.before_reading(0.9, 0.6) == pytest.approx(0.9 * 0.4 / (0.9 * 0.4 + 0.1 * 0.6))
+    assert gaussians.before_reading(1.0, 0.6) == 1.0
 
 
 def test_several_readings_turn_any_belief_around() -> None:

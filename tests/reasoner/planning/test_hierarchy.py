@@ -113,7 +113,8 @@ def test_a_placeholder_is_bound_to_the_anchor_that_satisfies_the_whole_conjuncti
     assert causes(stack, world) == ["bind_skolem", "skipped_forward"]
     current = stack.current()
     assert current is not None
-    assert str(current.instance.step) == "place(o2)"
+    assert str(current.instance.step) == str(current.instance.operation) == "place(o2)"
+    assert current.instance.executes == parse_term("place(o2)")
     assert current.subgoal == terms("on(o2)")
 
 

@@ -7,6 +7,8 @@ from kit.minds import Region, TableBelief, Thing
 from kit.papers import EXAMPLE_GOAL, example, posed, shipped
 
 from skolem.reasoner.planning.goals import PosedGoal
+from skolem.reasoner.planning.offers import RuleOffers
+from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.terms import parse_term
 
 FLUENTS = tuple(
@@ -78,3 +80,11 @@ def test_only_rules_that_can_fire_are_loaded() -> None:
     small = book.solve([parse_term("goal(at(look(o1)))")], None, ["move", "pick", "place", "regress"])
     assert small.atoms["candidate"] == [(parse_term("move(look(o1))"),)]
     assert small.ground_atoms <= 12
+
+
+def test_costs_are_counted_from_nothing() -> None:
+    at = among(8)
+    fresh = RuleOffers(shipped(), at.situation, Queries(at.situation, {}), at.offers.mutexes)
+    assert (fresh.calls, fresh.ground_atoms) == (0, 0)
+    fresh.offers(parse_term("holding(o1)"))
+    assert fresh.calls == 1 < fresh.ground_atoms

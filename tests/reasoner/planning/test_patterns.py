@@ -72,3 +72,16 @@ def test_pairs_that_were_asked_for_can_be_forgotten() -> None:
     assert MUTEXES.exclude(*pair)
     MUTEXES.forget()
     assert MUTEXES.exclude(*pair)
+
+
+def test_constants_and_whole_fluents_may_exclude_each_other() -> None:
+    mutexes = Mutexes(
+        [
+            (parse_term("day"), parse_term("night")),
+            (parse_term("same(f)"), parse_term("broken(same(f))")),
+        ]
+    )
+    assert mutexes.exclude(parse_term("night"), parse_term("day"))
+    assert not mutexes.exclude(parse_term("night"), parse_term("dusk"))
+    assert mutexes.exclude(parse_term("lit(lamp)"), parse_term("broken(lit(lamp))"))
+    assert not mutexes.exclude(parse_term("lit(lamp)"), parse_term("broken(lit(fire))"))

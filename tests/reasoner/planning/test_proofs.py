@@ -42,9 +42,9 @@ def derivation(tmp_path: Path, fluent: str) -> Derivation:
 
 def test_an_atom_is_traced_to_what_was_given_and_asked(tmp_path: Path) -> None:
     proof = derivation(tmp_path, "holding(o1)").proof(parse_term("farther(o1)"))
-    assert proof.place == "own.lp:4"
+    assert (proof.atom, proof.place) == (parse_term("farther(o1)"), "own.lp:4")
     (far,) = proof.premises
-    assert far.place == "own.lp:1"
+    assert (far.atom, far.place) == (parse_term("far(o1)"), "own.lp:1")
     assert far.premises == (
         Proof(parse_term("goal(holding(o1))")),
         Proof(compound("=", parse_term("distance(o1)"), 100)),
