@@ -15,7 +15,8 @@ ON_TABLE1 = "exists o. B(Den(lambda x. Soda(x), o), 0.9) & B(In(o, table1), 0.9)
 
 
 def questions() -> set[str]:
-    return {name for name in vars(BeliefQueries) if not name.startswith("_")}
+    owners = [owner for owner in BeliefQueries.__mro__ if owner.__module__ == BeliefQueries.__module__]
+    return {name for owner in owners for name in vars(owner) if not name.startswith("_")}
 
 
 class Cans(PlainBelief):

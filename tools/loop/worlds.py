@@ -8,12 +8,11 @@ import difflib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 from google.protobuf.message import Message as Protobuf
 
 from skolem.reasoner import Geometry
-from skolem.sim.truth.bodies import TrueBody
 from skolem.traces.errors import Fault, InputError, error_text
 from skolem.traces.messages import (
     Action,
@@ -26,6 +25,9 @@ from skolem.traces.messages import (
     RobotState,
     TrueState,
 )
+
+if TYPE_CHECKING:  # replays name worlds and build none: they load nothing of sim
+    from skolem.sim.truth.bodies import TrueBody
 
 GROUP: Final = "skolem.worlds"  # name of the group of entry points
 
@@ -84,7 +86,7 @@ class WorldStart:
     """
 
     types: Mapping[str, ObjectType]
-    bodies: tuple[TrueBody, ...]
+    bodies: "tuple[TrueBody, ...]"
     world_T_base: Pose2
     torso_m: float
     noise: NoiseModel

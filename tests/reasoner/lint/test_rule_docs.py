@@ -21,7 +21,7 @@ def test_every_rule_of_every_file_stands_on_the_page() -> None:
     assert all(f"(`{name}.lp`)" in text for name in RULE_FILES)
     for heading in ("`pick(H,O)`: operator", "`examine(E,Props,O,P)`: inference rule", "`@believed(word, anchor)`"):
         assert heading in text
-    assert "slip_cost` | 51293 | -ln .95; p = 0.95" in text
+    assert "slip_cost` | 51293 | -ln .95: the object may slip; p = 0.95" in text
     assert not any(f"allow {code}" in text for code in CODES)
 
 

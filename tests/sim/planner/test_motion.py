@@ -44,7 +44,7 @@ def test_the_same_seed_gives_the_same_path_whatever_was_planned_before() -> None
 
 def test_another_process_plans_the_same_path() -> None:
     code = (
-        "import numpy as np, hashlib\nfrom skolem.sim import motion\n"
+        "import numpy as np, hashlib\nfrom skolem.sim.planner import motion\n"
         "free = lambda q: abs(q[0]) > 0.1 or q[1] > 0.8\n"
         "problem = motion.Problem(np.array([-2.0, -2.0]), np.array([2.0, 2.0]), (False, False), free)\n"
         "path = motion.plan(problem, np.array([-1.0, 0.0]), np.array([1.0, 0.0]), 7)\n"

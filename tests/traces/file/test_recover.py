@@ -209,6 +209,6 @@ def test_a_run_killed_in_the_middle_is_saved_to_its_last_step_and_can_be_shown(
     status, said = called("info", str(good))
     assert (status, "the run has no end: killed or cut off" in said) == (0, True)
     status, said = called("show", str(good), "--step", "2")
-    assert (status, "did: LookAt" in said) == (0, True)
+    assert (status, "did: look at" in said) == (0, True)
     status, said = called("replay", str(good))
     assert (status, "IDENTICAL: 3 decisions" in said) == (0, True)
