@@ -22,7 +22,7 @@ from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
 from skolem.tools.recorded.rules import rulebook_of
 from skolem.tools.show import command as show
-from skolem.traces.errors import InputError, InternalError
+from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import Belief, Decision, Denotation, Message, Plan
 from skolem.traces.wording.of_run import wording_of
@@ -254,7 +254,7 @@ def ruled(folder: Path, rule: str) -> Path:
     (folder / "own.lp").write_text(f"%# Own.\n%\n%  Input: goal/1\n\n{rule}\n", encoding="utf-8")
     shipped = (ROOT / "scenarios" / "sim1_green.yaml").read_text(encoding="utf-8")
     (folder / "own.yaml").write_text(f"{shipped}\nrules: [own.lp]\n", encoding="utf-8")
-    with suppress(InternalError):
+    with suppress(InputError):
         run(prepare(folder / "own.yaml", (), 0, "symbolic"), folder / "own.mcap")
     return folder / "own.mcap"
 
@@ -329,7 +329,7 @@ def test_a_run_that_failed_is_explained_by_what_failed_even_if_it_fails_again(tm
     path = ruled(tmp_path, "cost(S, odd, 1000/G) :- step(S), S = look(O), G = @graspable(O).")
     result = CliRunner().invoke(explain.app, [str(path)])
     assert result.exit_code == 0, result.exception
-    assert "why the run ended: internal error: InternalError: own.lp:5:14: operation undefined" in result.stdout
+    assert re.search(r"why the run ended: .*own.lp:5:14: operation undefined", result.stdout)
     assert "the next action could not be decided" in result.stdout
     assert "note: thought again, it fails" in result.stdout
 
