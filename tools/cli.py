@@ -16,6 +16,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from skolem.tools.words.terminal import output
+
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "check": (
         "skolem.tools.files.check",
@@ -129,7 +131,7 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        print(f"skolem {version('skolem')}")
+        output(f"skolem {version('skolem')}")
         raise typer.Exit
 
 
@@ -207,8 +209,8 @@ def _explain(error: Exception) -> int:
     from skolem.traces.errors import InputError, TraceError
 
     if isinstance(error, InputError | TraceError):
-        print(error, file=sys.stderr)
+        output(error, file=sys.stderr)
         return BAD_INPUT if isinstance(error, InputError) else BAD_TRACE
-    traceback.print_exception(error)
-    print(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
+    output("".join(traceback.format_exception(error)), file=sys.stderr, end="")
+    output(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
     return INTERNAL

@@ -15,6 +15,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
+MOST_FAULTS: Final = 100  # in the text of an error: nobody reads more, and a line may be long
+_AROUND: Final = 60  # characters of a line that are shown before and after the position of a fault
 _FOLDERS: Final = re.compile(r"(?<![\w.])/(?:[^\s/:'\"]+/)+")  # of an absolute path, in a text
 
 
@@ -44,8 +46,9 @@ class Fault:
         head = f"{place}: {self.at}: {self.message}" if self.at else f"{place}: {self.message}"
         if not self.excerpt:
             return head
-        text = self.excerpt.lstrip()
-        caret = " " * max(0, self.column - 1 - (len(self.excerpt) - len(text)))
+        begin = max(len(self.excerpt) - len(self.excerpt.lstrip()), self.column - _AROUND)
+        text = self.excerpt[begin : begin + 2 * _AROUND]
+        caret = " " * max(0, self.column - 1 - begin)
         return f"{head}\n    {text}\n    {caret}^"
 
 
@@ -64,7 +67,8 @@ class InputError(SkolemError):
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(sorted(faults))
-        super().__init__("\n".join(map(str, self.faults)))
+        more = [f"and {len(self.faults) - MOST_FAULTS} more"] if len(self.faults) > MOST_FAULTS else []
+        super().__init__("\n".join([*map(str, self.faults[:MOST_FAULTS]), *more]))
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[tuple[Fault, ...]]]:
         return type(self), (self.faults,)

@@ -10,7 +10,7 @@ import typer
 
 from skolem.tools.words.options import Raw
 from skolem.tools.words.printable import printable
-from skolem.tools.words.terminal import say
+from skolem.tools.words.terminal import output, say
 from skolem.traces.errors import Fault, InputError
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def explain(
     if why_not is not None:
         _print_object(found, why_not, json, words)
     elif json:
-        print(json_format.dumps(asdict(found)))
+        output(json_format.dumps(asdict(found)))
     else:
         _print_all(found, words)
 
@@ -74,7 +74,7 @@ def _print_object(found: "Explanation", name: str, json: bool, words: "Wording")
         raise InputError([Fault("--why-not", 0, 0, f"no object {name} to choose; there are: {there}")])
     assert found.choice is not None
     if json:
-        print(json_format.dumps(asdict(options[name])))
+        output(json_format.dumps(asdict(options[name])))
     else:
         _print(choice_tree(replace(found.choice, options=(options[name],)), words))
 
@@ -89,7 +89,7 @@ def _print_all(found: "Explanation", words: "Wording") -> None:
     trees += [drop_tree(found.drops, words)] if found.drops else []
     trees += [] if found.ending is None else [end_tree(found.ending, words)]
     for tree in trees:
-        print()
+        output()
         _print(tree)
     for note in found.notes:
         say(["", f"note: {words.sentence(note)}"])
@@ -100,7 +100,7 @@ def _print(tree: "Tree") -> None:
     from skolem.tools.explain.text import lines
 
     if not sys.stdout.isatty():
-        print("\n".join(lines(tree)))
+        output("\n".join(lines(tree)))
         return
     from rich.console import Console
     from rich.text import Text

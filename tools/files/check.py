@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from skolem.tools.words.printable import printable
+from skolem.tools.words.terminal import output
 from skolem.traces import check as check_trace
 from skolem.traces.file.check import Checked
 
@@ -23,7 +24,8 @@ def check(
 ) -> None:
     """Check that traces are whole and unchanged; name the first fault of each, with its position and a remedy.
 
-    What an older version recorded is sound as long as this one reads it; a remark says so.
+    What an older version recorded is sound as long as this one reads it; a remark says so. The hashes cover everything
+    recorded but wall times; the machine and the versions of the libraries (`env`) are covered by the checksums alone.
 
     Exit status: 0 all are sound, 3 one is not.
     """
@@ -32,7 +34,7 @@ def check(
         found = check_trace(path)
         sound &= found.sound
         text = json_format.dumps(_fields(found)) if json else "\n".join(map(printable, _text(found).splitlines()))
-        print(text)
+        output(text)
     raise typer.Exit(0 if sound else 3)
 
 

@@ -10,6 +10,7 @@ import typer
 
 from skolem.tools.recorded.divergences import comparison_fields, divergence_lines
 from skolem.tools.words.printable import printable
+from skolem.tools.words.terminal import output
 from skolem.traces import Trace, compare
 from skolem.traces.compare.decided import DECIDED, parting
 from skolem.traces.compare.diff import NOT_TIMED, Divergence, Tolerance, steps_of
@@ -51,12 +52,12 @@ def diff(
     if json:
         fields = {"a": str(a), "b": str(b), "identical": comparison.identical, "attachments": changed}
         fields |= {"decisions_part": None if parted is None else asdict(parted)}
-        print(json_format.dumps(fields | comparison_fields(comparison)))
+        output(json_format.dumps(fields | comparison_fields(comparison)))
     else:
         lines = [comparison.in_words(), *divergence_lines(comparison)]
         lines += [] if comparison.identical or not decided else [_decisions(parted)]
         lines += [f"attached files that differ: {', '.join(changed)}"] if changed else []
-        print("\n".join(map(printable, lines)))
+        output("\n".join(map(printable, lines)))
     raise typer.Exit(0 if comparison.identical else 1)
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from skolem.tools.words.terminal import output
 from skolem.traces.file.recover import Recovered, recover as recover_trace
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -31,8 +32,8 @@ def recover(
     """
     found = recover_trace(bad, out)
     for damage in found.lost:
-        print(f"{bad}: byte {damage.byte}: {damage.message}", file=sys.stderr)
-    print(json_format.dumps(_fields(found)) if json else _text(found))
+        output(f"{bad}: byte {damage.byte}: {damage.message}", file=sys.stderr)
+    output(json_format.dumps(_fields(found)) if json else _text(found))
 
 
 def _fields(found: Recovered) -> dict[str, object]:

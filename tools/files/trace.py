@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from skolem.tools.words.terminal import output
 from skolem.traces.compare.golden import MANIFEST, Golden, read_manifest
 from skolem.traces.errors import Fault, InputError
 
@@ -62,7 +63,7 @@ def bless(
         recipes = _new_recipe(names or [], str(scenario), seed, world, set_ or [], why)
     for name, recipe in recipes.items():
         blessed = bless_one(folder, name, recipe, reason)
-        print(json_format.dumps(_fields(blessed)) if json else _text(blessed), flush=True)
+        output(json_format.dumps(_fields(blessed)) if json else _text(blessed), flush=True)
 
 
 def _contradictions(scenario: Path | None, all_: bool, of_new: Sequence[str]) -> list[Fault]:

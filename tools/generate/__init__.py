@@ -1,3 +1,3 @@
-"""The verb `generate`. May import: loop."""
+"""The verb `generate`. May import: loop, words."""
 
 __all__ = ()

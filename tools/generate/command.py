@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -33,7 +34,7 @@ def generate(
 
     text = drawn_text(family, seed, bound)
     if out is None:
-        print(text, end="")
+        output(text, end="")
         return
     partial = out.with_name(out.name + ".partial")
     try:

@@ -9,6 +9,7 @@ from pathlib import Path
 from skolem.tools.replay.replayer import Replayer
 from skolem.tools.replay.reports import EXIT, Report, Status, Wanted
 from skolem.tools.words.printable import printable
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
 
 PAYS = 8  # fewest traces for one more process: its start takes as long as a few replays
@@ -32,13 +33,13 @@ def execute(traces: Sequence[Path], wanted: Wanted, workers: int | None, json: b
     for path, report in zip(traces, _reports(traces, wanted, workers), strict=True):
         found[report.status] += 1
         if json:
-            print(json_format.dumps({"trace": str(path), "status": report.status, **report.fields}), flush=True)
+            output(json_format.dumps({"trace": str(path), "status": report.status, **report.fields}), flush=True)
         else:
             first, *others = map(printable, report.lines)
-            print("\n".join([f"{path}: {first}", *(f"  {line}" for line in others)]), flush=True)
+            output("\n".join([f"{path}: {first}", *(f"  {line}" for line in others)]), flush=True)
     if len(traces) > 1 and not json:
         counts = ", ".join(f"{count} {status.replace('_', ' ')}" for status, count in sorted(found.items()))
-        print(f"{len(traces)} traces: {counts}")
+        output(f"{len(traces)} traces: {counts}")
     return max(EXIT[status] for status in found)
 
 

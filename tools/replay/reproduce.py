@@ -11,6 +11,7 @@ import typer
 
 from skolem.tools.replay.options import All, Atol, Rtol
 from skolem.tools.words.printable import printable
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -50,11 +51,11 @@ def reproduce(
         other_end = reproducing.end_of_again(old, Trace(out))
     if json:
         fields = {"trace": str(trace), "identical": comparison.identical, "other_end": other_end}
-        print(json_format.dumps(fields | {"machine_differs_in": other} | comparison_fields(comparison)))
+        output(json_format.dumps(fields | {"machine_differs_in": other} | comparison_fields(comparison)))
     else:
         machine = [f"recorded on another machine ({', '.join(other)}): floats compared with tolerance"] if other else []
         head = f"{trace}: {comparison.in_words()}{f'; {other_end}' if other_end else ''}"
-        print("\n".join(map(printable, [head, *machine, *divergence_lines(comparison)])))
+        output("\n".join(map(printable, [head, *machine, *divergence_lines(comparison)])))
     raise typer.Exit(0 if comparison.identical else 1)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from skolem.tools.words.faults import fault_rows
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ def doc(
 
     text = bounded(sources, written)
     if out is None:
-        print(text, end="")
+        output(text, end="")
         return
     try:
         out.write_text(text, encoding="utf-8")
@@ -146,18 +147,18 @@ def _report(complaints: Sequence[Complaint], certain: bool, json: bool) -> None:
         faults = fault_rows(InputError([complaint.fault for complaint in complaints]))
         for row, found in zip(faults, complaints, strict=True):
             extra = {"severity": found.severity, "code": found.code, "allowed": found.allowed, "complete": certain}
-            print(json_format.dumps(row | extra))
+            output(json_format.dumps(row | extra))
         return
     for found in complaints:
         if found.severity != "allowed":
             hint = f" [{found.code}]" if found.severity == "warning" else ""
             message = f"{found.severity}: {found.fault.message.removeprefix('warning: ')}{hint}"
-            print(replace(found.fault, message=message))
+            output(replace(found.fault, message=message))
     counts = Counter(complaint.severity for complaint in complaints)
     said = [f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in ("error", "warning") if counts[s]]
     allowed = (
         f"; {counts['allowed']} allowed for a reason that stands in the file (--json)" if counts["allowed"] else ""
     )
-    print((", ".join(said) or "nothing to complain of") + allowed)
+    output((", ".join(said) or "nothing to complain of") + allowed)
     if not certain:
-        print("more may follow once these are mended")
+        output("more may follow once these are mended")

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from skolem.tools.words.faults import fault_rows
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import InputError
 
 app = typer.Typer(
@@ -32,10 +33,10 @@ def check(
             prepare(file)
         except InputError as error:
             sound = False
-            print("\n".join(map(json_format.dumps, fault_rows(error))) if json else error)
+            output("\n".join(map(json_format.dumps, fault_rows(error))) if json else error)
         else:
             if not json:
-                print(f"{file}: sound")
+                output(f"{file}: sound")
     raise typer.Exit(0 if sound else 2)
 
 
@@ -44,4 +45,4 @@ def schema() -> None:
     """Print the JSON Schema of scenario files, for editors."""
     from skolem.sim.scenario.scenario import schema_text
 
-    print(schema_text(), end="")
+    output(schema_text(), end="")

@@ -11,6 +11,7 @@ import typer
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.words.faults import fault_rows
 from skolem.tools.words.options import Raw, World
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -67,14 +68,14 @@ def run(
         with watch.part(LOADING):
             setup = prepare(scenario, overrides, seed, world, images, profile)
         for warning in setup.rulebook.warnings:
-            print(warning, file=sys.stderr)
+            output(warning, file=sys.stderr)
         trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")
         with watched(trace, raw) if view else nullcontext() as partial:
             status = running.execute(setup, trace, watch, json, quiet, partial, raw)
         raise typer.Exit(status)
     except InputError as error:
         if json:
-            print(
+            output(
                 json_format.dumps({"status": "bad_input", "reason": str(error.faults[0]), "faults": fault_rows(error)})
             )
         raise

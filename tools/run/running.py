@@ -1,6 +1,7 @@
 """A run from the command line: progress, times, summary and exit status."""
 
 import json as json_format
+import sys
 import traceback
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,7 +11,7 @@ from skolem.tools.loop.session import Outcome, run
 from skolem.tools.loop.setup import Setup
 from skolem.tools.loop.stopwatch import PARTS, Stopwatch
 from skolem.tools.words.live import watcher_for, wording_for
-from skolem.tools.words.terminal import say
+from skolem.tools.words.terminal import output, say
 from skolem.traces.errors import InputError, SkolemError, UnwrittenError
 from skolem.traces.file.writer import partial_of
 from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
@@ -57,10 +58,10 @@ def execute(
         except Exception as error:
             reason = f"{type(error).__name__}: {error}"
             if not isinstance(error, SkolemError):
-                traceback.print_exception(error)
+                output("".join(traceback.format_exception(error)), file=sys.stderr, end="")
     if json:
         fields = summary(setup, outcome, status, reason, trace)
-        print(json_format.dumps({**fields, "trace": fields["trace"] if outcome.content_hash else None}))
+        output(json_format.dumps({**fields, "trace": fields["trace"] if outcome.content_hash else None}))
     elif unwritten is None:
         say(verdict_lines(outcome, status, reason, trace, wording_for(setup, raw)))
     if unwritten is not None:

@@ -11,7 +11,7 @@ import typer
 from skolem.tools.words.options import Raw
 from skolem.tools.words.plan_tree import LEGEND, tree_lines
 from skolem.tools.words.printable import printable
-from skolem.tools.words.terminal import say
+from skolem.tools.words.terminal import output, say
 from skolem.traces import Trace
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.messages import Action, Meaning, Plan, RunEnd, RunStart
@@ -60,7 +60,7 @@ def _show_plans(run: Trace, raw: bool, json: bool) -> None:
     goal = "unknown: the record of it is lost" if start is None else start.goal
     if json:
         ended = None if end is None else end.model_dump(mode="json")
-        print(json_format.dumps({"trace": str(run.path), "goal": start and start.goal, "plans": lines, "end": ended}))
+        output(json_format.dumps({"trace": str(run.path), "goal": start and start.goal, "plans": lines, "end": ended}))
         return
     last = [] if end is None else [words.end(end)]
     say([f"goal: {goal}", *([] if raw else [LEGEND]), *lines, *last])
@@ -71,7 +71,7 @@ def _show_step(run: Trace, step: int, raw: bool, json: bool) -> None:
 
     found, meanings = moment(run, step), _words(run)
     if json:
-        print(json_format.dumps(moment_fields(found, meanings)))
+        output(json_format.dumps(moment_fields(found, meanings)))
     else:
         say(moment_lines(found, meanings, wording_of(run, meanings, raw)))
 
@@ -83,7 +83,7 @@ def _show_object(run: Trace, anchor: str, raw: bool, json: bool) -> None:
     rows = history(run, anchor, _words(run))
     if json:
         steps = [dict(zip(HISTORY_COLUMNS, row, strict=True)) for row in rows]
-        print(json_format.dumps({"trace": str(run.path), "object": anchor, "history": steps}))
+        output(json_format.dumps({"trace": str(run.path), "object": anchor, "history": steps}))
     else:
         words, after = wording_of(run, raw=raw), HISTORY_COLUMNS.index("after")
         cells = [(*row[:after], words.operation(row[after]) if row[after] else "", *row[after + 1 :]) for row in rows]
@@ -98,5 +98,5 @@ def _words(run: Trace) -> Mapping[str, Meaning]:
         return words_of(run)
     except InputError as error:
         said = "\n".join(map(printable, str(error.faults[0]).splitlines()))
-        print(f"colours in numbers, as the run's own rules cannot be read: {said}", file=sys.stderr)
+        output(f"colours in numbers, as the run's own rules cannot be read: {said}", file=sys.stderr)
         return {}

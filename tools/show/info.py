@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from skolem.tools.words.optimality import optimality_of_all
-from skolem.tools.words.terminal import say
+from skolem.tools.words.terminal import output, say
 from skolem.tools.words.trace_account import Account, account
 from skolem.traces import Trace
 from skolem.traces.messages import CLASS_OF
@@ -31,7 +31,7 @@ def info(
     run = Trace(trace)
     found = account(run)
     if json:
-        print(json_format.dumps(_fields(run, found)))
+        output(json_format.dumps(_fields(run, found)))
     else:
         say(_lines(run, found), hanging=len("environment  "))
 

@@ -8,6 +8,7 @@ import typer
 
 from skolem.tools.words.faults import fault_rows
 from skolem.tools.words.options import World
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -66,5 +67,5 @@ def sweep(
         raise typer.Exit(sweeping.execute(plan, out, workers or 2, scheduler, write, json, quiet))
     except InputError as error:
         if json:
-            print(json_format.dumps({"status": "bad_input", "faults": fault_rows(error)}))
+            output(json_format.dumps({"status": "bad_input", "faults": fault_rows(error)}))
         raise

@@ -9,6 +9,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from skolem.tools.sweep.rows import Row
+from skolem.tools.words.printable import printable
+from skolem.tools.words.terminal import output
 
 
 class Quiet(AbstractContextManager["Quiet"]):
@@ -30,12 +32,12 @@ class Lines(Quiet):
         """Print how many runs are done already."""
         self._total, self._done = total, before
         if before:
-            print(f"{before} of {total} runs are done already", file=sys.stderr, flush=True)
+            output(f"{before} of {total} runs are done already", file=sys.stderr, flush=True)
 
     def done(self, row: Row) -> None:
         """Print the end of the run."""
         self._done += 1
-        print(f"[{self._done}/{self._total}] {said_of(row)}", file=sys.stderr, flush=True)
+        output(f"[{self._done}/{self._total}] {said_of(row)}", file=sys.stderr, flush=True)
 
 
 class Bar(Quiet):
@@ -69,7 +71,7 @@ class Bar(Quiet):
         self._believed += row.believed
         self._true += row.succeeded
         if not row.succeeded:
-            self._bar.console.print(said_of(row), highlight=False, markup=False)
+            self._bar.console.print(printable(said_of(row)), highlight=False, markup=False)
         self._bar.update(self._task, advance=1, description=f"{self._believed} believed, {self._true} of them true")
 
 

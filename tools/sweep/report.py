@@ -14,6 +14,7 @@ from skolem.reasoner.language.expressions import Believed, Estimated
 from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import PARTS, RECORDING
 from skolem.tools.sweep.rows import Row
+from skolem.tools.words.printable import markdown, printable
 from skolem.traces.messages import RunStatus
 
 CONFIDENCE = 0.95  # level of the confidence intervals
@@ -127,7 +128,7 @@ def sections(parts: Sequence[Part]) -> list[tuple[str, str]]:
 def _overview(parts: Sequence[Part]) -> str:
     """Return a line for each scenario: how its runs ended, and the medians of their effort."""
     lines = [
-        f"## {', '.join(['All scenarios', f'{parts[0].world} world', *parts[0].overrides])}",
+        f"## {markdown(', '.join(['All scenarios', f'{parts[0].world} world', *parts[0].overrides]))}",
         "",
         "Of a run: medians.",
         "",
@@ -165,14 +166,14 @@ def section(part: Part) -> str:
     """Return the section of one scenario."""
     rows = part.rows
     ended = [row for row in rows if row.status != "error"]
-    asked = f"Goal: `{part.goal}`" if part.goal else f"{len(part.goals)} worlds, each with a goal and an answer."
-    lines = [f"## {part.title}", "", asked, "", *_shares(part), ""]
+    asked = f"Goal: `{_code(part.goal)}`" if part.goal else f"{len(part.goals)} worlds, each with a goal and an answer."
+    lines = [f"## {markdown(part.title)}", "", asked, "", *_shares(part), ""]
     if ended:
         lines += [*_efforts(ended), "", _variety(rows), ""]
     failed = [row for row in rows if not row.well_ended]
     lines += [*_failures(failed), *([""] if failed else [])]
     if rows:
-        lines += [f"<sub>`{part.command}`; rules and program {SOURCE_SHA256[:DIGITS]}</sub>", ""]
+        lines += [f"<sub>`{_code(part.command)}`; rules and program {SOURCE_SHA256[:DIGITS]}</sub>", ""]
     return "\n".join(lines)
 
 
@@ -190,6 +191,7 @@ def line(part: Part) -> str:
 
 def with_section(text: str, key: str, section: str) -> str:
     """Return a text with the section of a key inserted, or replaced, between its markers."""
+    key = printable(key).replace("--", "- -")  # which would end the comment
     begin, end = f"<!-- results {key} -->", f"<!-- end of results {key} -->"
     block = f"{begin}\n{section}{end}"
     pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
@@ -275,7 +277,7 @@ def _variety(rows: Sequence[Row]) -> str:
     common, times = min(ways.items(), key=lambda item: (-item[1], item[0]))
     return (
         f"Distinct successful action sequences: {len(ways)}. The most frequent ({times} of {ways.total()}): "
-        f"{', '.join(common)}."
+        f"{markdown(', '.join(common))}."
     )
 
 
@@ -298,15 +300,20 @@ def _failures(rows: Sequence[Row]) -> list[str]:
 def _why(row: Row) -> str:
     """Return why a run failed."""
     if _of_another(row):
-        return f"believed of {row.anchor}, but true of {row.witness} alone"
-    return "believed, but not true" if row.believed else f"{row.status}: {' '.join(row.reason.split())}"
+        return f"believed of {markdown(str(row.anchor))}, but true of {markdown(str(row.witness))} alone"
+    return "believed, but not true" if row.believed else f"{row.status}: {markdown(' '.join(row.reason.split()))}"
 
 
 def _nearest(row: Row) -> str:
     """Return the probability of the best candidate, and the share of the regions that was seen."""
-    about = f" ({', '.join(row.conjuncts)})" if row.conjuncts else ""
-    found = f"; best candidate {row.anchor}, p = {row.goal_probability:.3f}{about}" if row.anchor else ""
-    return found + (f"; seen of the regions: {', '.join(row.regions)}" if row.regions else "")
+    about = f" ({markdown(', '.join(row.conjuncts))})" if row.conjuncts else ""
+    found = f"; best candidate {markdown(row.anchor)}, p = {row.goal_probability:.3f}{about}" if row.anchor else ""
+    return found + (f"; seen of the regions: {markdown(', '.join(row.regions))}" if row.regions else "")
+
+
+def _code(text: object) -> str:
+    """Return a text as it stands between two backticks."""
+    return printable(str(text)).replace("`", "'")
 
 
 def _ranges(seeds: Sequence[int]) -> str:

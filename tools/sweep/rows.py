@@ -9,6 +9,7 @@ from pathlib import Path
 from skolem.tools.loop.setup import Setup
 from skolem.tools.loop.stopwatch import PARTS
 from skolem.tools.loop.verdict import own_makes_it_true
+from skolem.tools.words.printable import cell
 from skolem.traces import Trace
 from skolem.traces.errors import TraceError
 from skolem.traces.messages import (
@@ -203,7 +204,9 @@ def results_csv(rows: Iterable[Row]) -> str:
 def times_csv(rows: Iterable[Row]) -> str:
     """Return the wall times in seconds as CSV."""
     head = ("scenario", "seed", *TIMES)
-    return _csv(head, ([row.scenario, str(row.seed), *(f"{row.seconds[part]:.3f}" for part in TIMES)] for row in rows))
+    return _csv(
+        head, ([cell(row.scenario), str(row.seed), *(f"{row.seconds[part]:.3f}" for part in TIMES)] for row in rows)
+    )
 
 
 def _csv(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
@@ -218,8 +221,8 @@ def _cell(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, tuple):
-        return "; ".join(value)
-    return "" if value is None else str(value)
+        return cell("; ".join(value))
+    return "" if value is None else cell(str(value))
 
 
 def put(path: Path, data: bytes) -> None:

@@ -13,6 +13,7 @@ from skolem.tools.sweep.progress import progress_for
 from skolem.tools.sweep.report import Part, line, sections, summary, with_section
 from skolem.tools.sweep.rows import Row, put, results_csv, times_csv
 from skolem.tools.sweep.task import Task, done_before, tasks_of
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.interrupts import interrupts_held
 
@@ -151,9 +152,9 @@ def execute(
     found = [row for part in parts for row in part.rows]
     if json:
         for row in found:
-            print(json_format.dumps(row.facts() | {"wall_s": dict(row.seconds)}))
+            output(json_format.dumps(row.facts() | {"wall_s": dict(row.seconds)}))
     else:
-        print("\n".join([*map(line, parts), f"{len(found)} of {len(plan.tasks)} runs; see {out / 'summary.md'}"]))
+        output("\n".join([*map(line, parts), f"{len(found)} of {len(plan.tasks)} runs; see {out / 'summary.md'}"]))
     if interrupted:
         return INTERRUPTED
     return 0 if all(row.believed for row in found) else 1

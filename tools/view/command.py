@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from skolem.tools.words.options import Raw
+from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -66,9 +67,9 @@ def view(
         else:
             viewing.window(recording)
     if json:
-        print(json_format.dumps(said | {"faults": faults}))
+        output(json_format.dumps(said | {"faults": faults}))
     elif save or shot:
-        print(f"written: {save or shot}")
+        output(f"written: {save or shot}")
     for fault in faults:
-        print(fault, file=sys.stderr)
+        output(fault, file=sys.stderr)
     raise typer.Exit(1 if faults else 0)

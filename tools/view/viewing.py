@@ -13,6 +13,7 @@ from skolem.sim.robot import pr2
 from skolem.sim.robot.assets import patched_urdf_path
 from skolem.tools.loop.children import has_display
 from skolem.tools.view import viewer
+from skolem.tools.words.terminal import output
 from skolem.traces import Trace, follow
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.reader import MAGIC
@@ -70,9 +71,9 @@ def serve(recording: Path) -> None:
     """Show a recording in a browser, until Ctrl-C."""
     with viewer.viewer("web", recording) as shown:
         address = shown.serving()
-        print(f"{address}\nCtrl-C ends it", file=sys.stderr, flush=True)
+        output(f"{address}\nCtrl-C ends it", file=sys.stderr, flush=True)
         if not (has_display() and webbrowser.open(address)):
-            print("no browser was found here; open the address in one on this machine", file=sys.stderr, flush=True)
+            output("no browser was found here; open the address in one on this machine", file=sys.stderr, flush=True)
         with suppress(KeyboardInterrupt):
             shown.wait()
 

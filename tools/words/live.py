@@ -25,6 +25,8 @@ from skolem.reasoner import Turn
 from skolem.tools.loop.setup import Setup
 from skolem.tools.words.belief_table import COLUMNS, belief_rows
 from skolem.tools.words.plan_tree import plan_lines
+from skolem.tools.words.printable import printable
+from skolem.tools.words.terminal import output
 from skolem.traces.messages import (
     DROPPED,
     TICKS_PER_SECOND,
@@ -111,7 +113,7 @@ class Lines:
         parts = [f"step {action.step:2d}  {done}", observed_text(observation)]
         line = ", ".join(part for part in parts if part)
         with terminal_may_go():
-            print(line + (f"  [new plan: {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
+            output(line + (f"  [new plan: {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
 
 
 class Quiet(Lines):
@@ -189,9 +191,9 @@ class Picture(Lines):
             below.append(Text("plan stack, from the goal down to the next step", style="bold"))
             below += [_in_one_line(_marked(line)) for line in plan_lines(self._plan, self._words)]
         if self._dropped:
-            below.append(Text(f"new plan: {self._dropped}", style="yellow"))
+            below.append(Text(printable(f"new plan: {self._dropped}"), style="yellow"))
         below.append(self._progress())
-        goal = Text(f"goal  {self._setup.scenario.goal}", style="bold")
+        goal = Text(printable(f"goal  {self._setup.scenario.goal}"), style="bold")
         if self._belief is None:
             return Group(goal, *below)
         room = self._console.height - 1 - sum(map(self._height, (goal, *below)))
@@ -225,7 +227,7 @@ class Picture(Lines):
             f"{self._tick / TICKS_PER_SECOND:.1f} s simulated",
             chance,
         )
-        return Group(Text(self._now), grid)
+        return Group(Text(printable(self._now)), grid)
 
 
 def belief_table(belief: Belief, meanings: Mapping[str, Meaning], width: int, most: int, first: str) -> Table:
@@ -245,9 +247,9 @@ def belief_table(belief: Belief, meanings: Mapping[str, Meaning], width: int, mo
     kept = rows if len(rows) <= most else _most_wanted(rows, most - 1, first)
     for row in kept:
         known = belief.objects[row[0]]
-        cells: list[RenderableType] = [*row]
+        cells: list[RenderableType] = [Text(printable(cell)) for cell in row]
         if known.colour_seen:
-            cells[3] = _swatch(row[3], known.colour)
+            cells[3] = _swatch(printable(row[3]), known.colour)
         table.add_row(*cells, style="dim" if known.exists < UNSURE else None)
     if len(kept) < len(rows):
         table.add_row(f"({len(rows) - len(kept)} more)", style="dim")
@@ -281,7 +283,7 @@ def _hex(colour: HsvBelief) -> str:
 
 def _marked(line: str) -> str:
     """Return a plan line with the chosen step in bold instead of brackets."""
-    return escape(line).replace("<", "[bold cyan]").replace(">", "[/]")
+    return escape(printable(line)).replace("<", "[bold cyan]").replace(">", "[/]")
 
 
 def _probability(decision: Decision) -> str:

@@ -4,8 +4,9 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Iterable
+from typing import TextIO
 
-from skolem.tools.words.printable import printable
+from skolem.tools.words.printable import printable, printable_lines
 
 HANGING = 4  # additional indentation of the rest of a wrapped line
 
@@ -22,6 +23,11 @@ def say(lines: Iterable[str], hanging: int = HANGING) -> None:
         width = shutil.get_terminal_size().columns
         found = [part for line in found for part in wrapped(line, width, hanging)]
     print("\n".join(found))
+
+
+def output(text: object = "", file: TextIO | None = None, end: str = "\n", flush: bool = False) -> None:
+    """Print a text as `print` does, with invisible characters as escapes; every verb prints by this or by `say`."""
+    print(printable_lines(str(text)), file=file, end=end, flush=flush)
 
 
 def wrapped(line: str, width: int, hanging: int = HANGING) -> list[str]:

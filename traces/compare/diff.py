@@ -18,6 +18,7 @@ from importlib import resources
 from itertools import zip_longest
 from typing import Any, Literal
 
+from skolem.traces.errors import TraceError
 from skolem.traces.file.codec import decode
 from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, PERF
@@ -297,6 +298,8 @@ def fields_of(message: Recorded) -> Any:
     if message.topic in JSON_TOPICS:
         try:
             return json.loads(message.data)
+        except RecursionError as error:
+            raise TraceError(f"{message.path}: {message.topic}: its text is nested too deeply to be read") from error
         except ValueError:
             return {"bytes": base64.b64encode(message.data).decode()}
     from google.protobuf.json_format import MessageToDict

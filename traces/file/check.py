@@ -4,6 +4,7 @@ The file is read once, from the beginning, with one chunk in memory. The first f
 consequences of it.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import zip_longest
@@ -29,7 +30,7 @@ from skolem.traces.file.codec import (
 )
 from skolem.traces.file.container import DamageError, Piece, contents, pieces
 from skolem.traces.file.known_fields import KnownFields
-from skolem.traces.file.made_of import digest, disagreements
+from skolem.traces.file.made_of import NOT_ATTACHED, digest, disagreements
 from skolem.traces.file.reader import MAGIC, opened
 from skolem.traces.file.seal import Seal
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunEnd, RunStart, canonical
@@ -37,6 +38,7 @@ from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain,
 RECOVER = "`skolem recover {path} -o GOOD.mcap` saves every message that is whole"
 OLDER = "remark: this skolem has other schemas for {topics}; it reads these messages, and the schemas are not compared"
 HASHLESS = "remark: no hash of its content stands in the trace: that the truth is as it was written cannot be told"
+UNPROTECTED = "remark: not protected: it has neither checksums nor a hash of its content, by which a change would show"
 CHANGED = "not as the hash of the content says that it was: a message was changed, dropped or moved"
 AGAIN = "take the file from where it was recorded; nothing can tell what it said there"
 FOREIGN = "this skolem cannot read it; use the version that recorded it (`skolem info` names it)"
@@ -124,6 +126,7 @@ def _first_flaw(path: Path, examiner: "_Examiner") -> Flaw | None:
                 seal.take(piece)
                 for record in examiner.take(piece):
                     seal.take_inner(piece.byte, record)
+            examiner.protected = not seal.missing
             if file.read(MAGIC_SIZE + 1) != MAGIC:
                 raise DamageError(file.tell(), "the file does not end as an MCAP file")
         examiner.end()
@@ -150,6 +153,7 @@ class _Examiner:
     def __init__(self) -> None:
         self.hashes = ContentHash()
         self.number = self.results = 0
+        self.protected = True  # whether the checksums of the container are there
         self._chain = HashChain()
         self._counters = {"decision": 0, "truth": 0, "perf": 0}
         self._schemas: dict[int, Schema] = {}
@@ -168,10 +172,12 @@ class _Examiner:
     def remarks(self) -> tuple[str, ...]:
         """Unusual points so far that are no faults."""
         older = (OLDER.format(topics=", ".join(sorted(self._older))),) if self._older else ()
-        return older if CONTENT in self._metadata else (*older, HASHLESS)
+        if CONTENT in self._metadata:
+            return older
+        return (*older, HASHLESS if self.protected else UNPROTECTED)
 
-    def take(self, piece: Piece) -> list[Schema | Channel | McapMessage]:
-        """Take in the next record of the container; return the records inside, if it is a chunk.
+    def take(self, piece: Piece) -> Iterator[Schema | Channel | McapMessage]:
+        """Take in the next record of the container; yield the records inside, if it is a chunk.
 
         Raises:
             _UnsoundError: At the first fault.
@@ -181,22 +187,21 @@ class _Examiner:
             case Metadata(name=name) | Attachment(name=name):
                 self._take_file(name, piece.record)
             case Chunk():
-                self._check_version()
-                inside = contents(piece)
-                for record in inside:
+                if "run" in self._metadata:
+                    self._check_version()
+                for record in contents(piece):
                     self._take_inner(record)
-                return inside
+                    yield record
             case McapMessage():
                 self._fail("a message stands outside of the chunks, where a trace has none", FOREIGN)
             case _:
                 pass
-        return []
 
     def _take_file(self, name: str, record: Metadata | Attachment) -> None:
-        """Take in the inputs of the run, which stand before its first message, or its hash at the end: each once."""
+        """Take in an input of the run, or the hash at the end: each once, before or after the messages."""
         known = self._metadata if isinstance(record, Metadata) else self._attached
-        if name in known or (self.number and (known is self._attached or name != CONTENT)):
-            self._fail(f"{name} is there twice, or after the first message", AGAIN)
+        if name in known:
+            self._fail(f"{name} is there twice", AGAIN)
         if isinstance(record, Metadata):
             self._metadata[name] = record.metadata
         else:
@@ -303,8 +308,9 @@ class _Examiner:
             self._fail(f"says that there were {message.steps} steps, and there are {self.results}", AGAIN)
         if isinstance(message, RunStart):
             self._start = message
-            for said in disagreements(message, self._attached, self._metadata["run"]):
-                self._fail(said, AGAIN)
+            for said in self._disagreements():
+                if not said.endswith(NOT_ATTACHED):  # it may follow the messages
+                    self._fail(said, AGAIN)
 
     def end(self) -> None:
         """Check that the run is complete at the end of the container.
@@ -313,11 +319,18 @@ class _Examiner:
             _UnsoundError: If the run has no end, or its content does not match the recorded hash.
         """
         self._byte = None
+        self._check_version()
         if self._start is None:
             self._fail("the trace holds no /run/start", FOREIGN)
+        for said in self._disagreements():
+            self._fail(said, AGAIN)
         if not self._ended:
             raise _UnsoundError(Flaw(f"/run/end is missing after {self.results} steps", KILLED))
         self._compare_content()
+
+    def _disagreements(self) -> Iterator[str]:
+        assert self._start is not None, "the run has begun"
+        return disagreements(self._start, self._attached, self._metadata.get("run", {}))
 
     def _compare_content(self) -> None:
         """Compare all messages but wall times, and their order, with the hash that the writer recorded."""

@@ -80,14 +80,14 @@ def pieces(file: IO[bytes], byte: int = MAGIC_SIZE) -> Iterator[Piece]:
         byte += len(data)
 
 
-def contents(piece: Piece) -> list[Schema | Channel | McapMessage]:
-    """Return the records inside a chunk.
+def contents(piece: Piece) -> Iterator[Schema | Channel | McapMessage]:
+    """Yield the records inside a chunk.
 
     Raises:
         DamageError: If the chunk does not match its checksum, or is too large.
     """
     try:
-        return records_in(piece.record)
+        yield from records_in(piece.record)
     except TooLargeError as error:
         raise DamageError(piece.byte, str(error), piece.byte + len(piece.data)) from error
     except DAMAGE as error:
@@ -102,7 +102,7 @@ def _parsed(byte: int, kind: int, data: bytes) -> Any:
         raise DamageError(byte, said, byte + len(data)) from error
     if isinstance(record, Attachment):
         (crc,) = struct.unpack("<I", data[-CRC_SIZE:])
-        if zlib.crc32(data[HEAD_SIZE:-CRC_SIZE]) != crc:
+        if crc and zlib.crc32(data[HEAD_SIZE:-CRC_SIZE]) != crc:
             said = f"the attachment {record.name} does not match its checksum: its bytes were changed"
             raise DamageError(byte, said, byte + len(data))
     return record

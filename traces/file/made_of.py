@@ -9,6 +9,7 @@ from skolem.traces.messages import RunStart
 
 SCENARIO: Final = "scenario.yaml"
 RULES: Final = "rules/"
+NOT_ATTACHED: Final = "but not attached"
 _FILE: Final = re.compile(r"(?!\.)[^/\\\x00-\x1f\x7f]{1,200}\.lp")  # the name of a rule file, without folder
 
 
@@ -31,7 +32,7 @@ def disagreements(start: RunStart, attached: Mapping[str, str], run: Mapping[str
         if name != SCENARIO and not (name.startswith(RULES) and _FILE.fullmatch(name.removeprefix(RULES))):
             yield f"{name!r} is not the name of a rule file"
         elif name not in attached:
-            yield f"{name} is named, but not attached"
+            yield f"{name} is named, {NOT_ATTACHED}"
         elif name not in expected:
             yield f"{name} is attached, but not named"
         elif attached[name] != expected[name]:

@@ -23,7 +23,7 @@ from mcap.summary import Summary
 from skolem.traces.errors import TraceError
 from skolem.traces.file.chunks import DAMAGE, records_in
 from skolem.traces.file.clock import tick_at, time_ns
-from skolem.traces.file.codec import ContentHash, counter_of, decode, misfit
+from skolem.traces.file.codec import CONTENT, ContentHash, counter_of, decode, misfit
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, TICKS_PER_SECOND, Message
 
 MAGIC = b"\x89MCAP0\r\n"  # the first and the last bytes of the file
@@ -86,7 +86,7 @@ class Trace:
         """
         self.path = path
         with opened(path) as file:
-            _check_whole(path, file)
+            protected = _check_whole(path, file)
             with _readable(path):
                 reader = make_reader(file)
                 self._summary = _summary_of(reader)
@@ -97,12 +97,19 @@ class Trace:
             raise TraceError(f"{path}: an MCAP file, but not a trace: its metadata names no schema version")
         if not written.isdecimal() or int(written) > SCHEMA_VERSION:
             raise TraceError(f"{path}: has schema version {written}, known is {SCHEMA_VERSION}; install a newer skolem")
+        if not protected and self.metadata.get(CONTENT, self.hashes.metadata) != self.hashes.metadata:
+            raise TraceError(f"{path}: damaged: the messages do not match the hash of their content; {RECOVER}")
 
     @cached_property
     def schemas(self) -> dict[str, bytes]:
         """The schema of each topic that may have messages; a trace of an older version has fewer and older schemas."""
-        channels, schemas = self._summary.channels.values(), self._summary.schemas
-        return {channel.topic: schemas[channel.schema_id].data for channel in channels}
+        found: dict[str, bytes] = {}
+        for channel in self._summary.channels.values():
+            schema = self._summary.schemas.get(channel.schema_id)
+            if schema is None:
+                raise TraceError(f"{self.path}: the topic {channel.topic} has no schema; {UNREADABLE}")
+            found[channel.topic] = schema.data
+        return found
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
         """Yield the messages of `topics` (of all, if none is given) in file order.
@@ -192,8 +199,11 @@ def _summary_of(reader: McapReader) -> Summary:
     return summary
 
 
-def _check_whole(path: Path, file: IO[bytes]) -> None:
-    """Compare both checksums of the container (data section, summary) with the file, and rewind it."""
+def _check_whole(path: Path, file: IO[bytes]) -> bool:
+    """Compare both checksums of the container (data section, summary) with the file, and rewind it.
+
+    Return whether there are both: other writers may leave them out, and put 0 there.
+    """
     size = file.seek(0, io.SEEK_END)
     tail = MAGIC_SIZE + FOOTER_SIZE
     file.seek(max(0, size - tail))
@@ -202,13 +212,15 @@ def _check_whole(path: Path, file: IO[bytes]) -> None:
         raise TraceError(f"{path}: truncated: the run was killed, or is still being recorded; {RECOVER}")
     summary, _, summary_crc = struct.unpack("<QQI", footer[-MAGIC_SIZE - 20 : -MAGIC_SIZE])
     data_end = summary - DATA_END_SIZE
-    if not MAGIC_SIZE < data_end < size or _crc(file, summary, size - MAGIC_SIZE - 4) != summary_crc:
+    if not MAGIC_SIZE < data_end < size or (summary_crc and _crc(file, summary, size - MAGIC_SIZE - 4) != summary_crc):
         raise TraceError(f"{path}: damaged: the index at the end does not match its checksum; {RECOVER}")
     file.seek(data_end)
     opcode_and_length, data_crc = file.read(9), struct.unpack("<I", file.read(4))[0]
-    if opcode_and_length != b"\x0f" + (4).to_bytes(8, "little") or _crc(file, 0, data_end) != data_crc:
+    is_end = opcode_and_length == b"\x0f" + (4).to_bytes(8, "little")
+    if not is_end or (data_crc and _crc(file, 0, data_end) != data_crc):
         raise TraceError(f"{path}: damaged: the messages do not match their checksum; {RECOVER}")
     file.seek(0)
+    return bool(summary_crc and data_crc)
 
 
 def _crc(file: IO[bytes], start: int, end: int) -> int:
@@ -235,9 +247,9 @@ def _indexed(
                 continue
             with _readable(path):
                 file.seek(index.chunk_start_offset + 1 + 8)
-                records = records_in(Chunk.read(ReadDataStream(file)))
-            for record in reversed(records) if backwards else records:
-                if isinstance(record, McapMessage) and record.channel_id in wanted:
+                every = records_in(Chunk.read(ReadDataStream(file)))
+                found = (r for r in every if isinstance(r, McapMessage) and r.channel_id in wanted)
+                for record in reversed(list(found)) if backwards else found:
                     yield summary.channels[record.channel_id], record
 
 

@@ -124,15 +124,13 @@ def _behind(file: IO[bytes], byte: int) -> list[DamageError]:
 
 def _copy_chunk(piece: Piece, index: _Index, copy: Copy, found: Recovered) -> None:
     try:
-        records = contents(piece)
+        for record in contents(piece):
+            if isinstance(record, McapMessage):
+                _copy_message(piece, record, index, copy, found)
+            else:
+                copy.add(record)
     except DamageError as damage:
         found.lost.append(damage)
-        return
-    for record in records:
-        if isinstance(record, McapMessage):
-            _copy_message(piece, record, index, copy, found)
-        else:
-            copy.add(record)
     copy.end_chunk()
 
 

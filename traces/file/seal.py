@@ -43,6 +43,7 @@ class Seal:
         self._crc = zlib.crc32(MAGIC)
         self._there, self._index = _Listed(), _Listed()
         self._in_index = False
+        self.missing = False  # whether a checksum is left out, as other writers may
 
     def take(self, piece: Piece) -> None:
         """Take in the next record of the file.
@@ -52,12 +53,14 @@ class Seal:
         """
         match piece.record:
             case DataEnd(data_section_crc=crc):
-                if crc != self._crc:
+                self.missing |= not crc
+                if crc and crc != self._crc:
                     raise DamageError(piece.byte, "the records before do not match their checksum: bytes were changed")
                 self._crc, self._in_index = 0, True
                 return
             case Footer(summary_crc=crc):
-                if crc != zlib.crc32(piece.data[:-CRC_SIZE], self._crc):
+                self.missing |= not crc
+                if crc and crc != zlib.crc32(piece.data[:-CRC_SIZE], self._crc):
                     raise DamageError(piece.byte, "the index does not match its checksum: its bytes were changed")
                 self._compare(piece.byte)
             case Attachment(name=name):

@@ -471,7 +471,7 @@ def test_nothing_that_the_run_was_made_of_may_be_said_twice(kind: type[object], 
     def again(records: list[object]) -> list[object]:
         return [*records, next(record for record in records if isinstance(record, kind))]
 
-    assert "is there twice, or after the first message" in changed(again).message
+    assert "is there twice" in changed(again).message
 
 
 @pytest.mark.parametrize("name", ["rules//x.lp", "rules/../x.lp", "rules/x.txt", "rules/.lp", "notes.txt", "rules/"])
