@@ -14,12 +14,13 @@ from clingo.ast import AST, ASTType
 
 from skolem.reasoner.rulebook.asking import Asked
 from skolem.reasoner.rulebook.examination import examine
-from skolem.reasoner.rulebook.files import RuleFile, explain
+from skolem.reasoner.rulebook.files import MAX_BYTES, RuleFile, explain
 from skolem.reasoner.rulebook.parts import Atom, Signature, Statement
 from skolem.reasoner.rulebook.questions import Question, Questions, Solved
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.reasoner.terms import Compound, Term
 from skolem.traces.errors import Fault, InputError, InternalError, RuleError, SkolemError
+from skolem.traces.given import read_regular
 
 RULE_FILES: Final = (  # the table of contents of the folder rules/
     "vocabulary",  # words and their meanings
@@ -279,7 +280,7 @@ def _own_files(paths: Sequence[Path], taken: set[str]) -> tuple[list[RuleFile], 
     found, faults = [], []
     for path in paths:
         try:
-            file = RuleFile(path.stem, str(path), str(path), path.read_bytes(), own=True)
+            file = RuleFile(path.stem, str(path), str(path), read_regular(path, MAX_BYTES), own=True)
         except OSError as error:
             faults.append(Fault(str(path), 0, 0, f"cannot be read: {error.strerror}"))
             continue

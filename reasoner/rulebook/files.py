@@ -63,7 +63,7 @@ class RuleFile:
 def parse(file: RuleFile) -> tuple[list[AST], list[Fault]]:
     """Return the statements of a rule file that can be parsed, and a fault for each of the others."""
     if len(file.content) > MAX_BYTES:
-        return [], [Fault(file.title, 0, 0, f"a rule file of {len(file.content)} bytes; at most {MAX_BYTES} are read")]
+        return [], [Fault(file.title, 0, 0, f"a larger rule file: at most {MAX_BYTES} bytes are read")]
     try:
         text = file.content.decode()
     except UnicodeDecodeError as error:

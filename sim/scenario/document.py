@@ -8,6 +8,7 @@ import difflib
 import json
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from ruamel.yaml.events import (
 )
 
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.given import read_regular
 
 MAX_BYTES = 1024 * 1024
 MAX_VALUES = 20_000
@@ -165,8 +167,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 def _text(path: Path) -> str:
     """Return the file's text with line feeds alone as line ends."""
     try:
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+        data = read_regular(path, MAX_BYTES)
     except OSError as error:
         raise InputError([Fault(str(path), 0, 0, f"cannot be read: {error.strerror}")]) from error
     if len(data) > MAX_BYTES:
@@ -228,8 +229,14 @@ def _unsafe(file: str, text: str, event: Event, message: str) -> InputError:
     return InputError([Fault(file, line + 1, column + 1, message, "", _line(text, line)[:200])])
 
 
+@lru_cache(2)
+def _lines(text: str) -> tuple[str, ...]:
+    """Return the lines of a text, split once: thousands of faults may lie on one long line, and share it."""
+    return tuple(text.split("\n"))
+
+
 def _line(text: str, line: int) -> str:
-    lines = text.split("\n")
+    lines = _lines(text)
     return lines[line] if line < len(lines) else ""
 
 

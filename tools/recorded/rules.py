@@ -8,9 +8,10 @@ from pathlib import Path
 
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import RULE_FILES, Rulebook, rule_files
-from skolem.reasoner.rulebook.files import RuleFile
+from skolem.reasoner.rulebook.files import MAX_BYTES, RuleFile
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.made_of import RULES
+from skolem.traces.given import read_regular
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +145,7 @@ def files_in(folder: Path) -> dict[str, bytes]:
         InputError: If there is no rule file, or one cannot be read.
     """
     try:
-        found = {path.name: path.read_bytes() for path in sorted(folder.glob("*.lp"))}
+        found = {path.name: read_regular(path, MAX_BYTES) for path in sorted(folder.glob("*.lp"))}
     except OSError as error:
         raise InputError([Fault(str(error.filename), 0, 0, f"cannot be read: {error.strerror}")]) from error
     if not found:

@@ -24,6 +24,7 @@ from skolem.traces.errors import TraceError
 from skolem.traces.file.chunks import DAMAGE, records_in
 from skolem.traces.file.clock import tick_at, time_ns
 from skolem.traces.file.codec import CONTENT, ContentHash, counter_of, decode, misfit
+from skolem.traces.given import opened_regular
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, TICKS_PER_SECOND, Message
 
 MAGIC = b"\x89MCAP0\r\n"  # the first and the last bytes of the file
@@ -164,7 +165,7 @@ def opened(path: Path) -> IO[bytes]:
         TraceError: If the file cannot be read, or does not begin as an MCAP file.
     """
     try:
-        file = path.open("rb")
+        file = opened_regular(path)
         is_mcap = file.read(MAGIC_SIZE) == MAGIC
         file.seek(0)
     except OSError as error:

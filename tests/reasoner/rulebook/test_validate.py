@@ -47,7 +47,7 @@ def test_faults_of_several_files_are_reported_together() -> None:
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [(b"p" * (MAX_BYTES + 1), "at most 200000 are read"), (b"p(\xff).", "not UTF-8: byte 2")],
+    [(b"p" * (MAX_BYTES + 1), "at most 200000 bytes are read"), (b"p(\xff).", "not UTF-8: byte 2")],
 )
 def test_a_file_that_is_no_text_of_reasonable_size_is_refused(content: bytes, message: str) -> None:
     statements, (fault,) = parse(RuleFile("own", "own.lp", "own.lp", content, own=True))
