@@ -2,10 +2,11 @@
 
 SkolemError
 ├── InputError        a file, goal, rule or flag given by a person is wrong: every fault at once, exit code 2
+│   └── BrokenRulesError  rules of a user break their contract while they are asked
 ├── TraceError        a trace cannot be read or is not sound, exit code 3
 │   └── UnwrittenError  a trace cannot be written to its end: the disk is full
 └── InternalError     the product's own contract was broken (a rule file without exactly one answer set, ...)
-    └── RuleError     by rules, while they were asked; of a user's own rules it becomes an InputError
+    └── RuleError     by rules, while they were asked; of a user's own rules it becomes a BrokenRulesError
 
 May import: nothing.
 """
@@ -72,6 +73,10 @@ class InputError(SkolemError):
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[tuple[Fault, ...]]]:
         return type(self), (self.faults,)
+
+
+class BrokenRulesError(InputError):
+    """A user's own rules broke their contract while they were asked: the run cannot go on, as in every repetition."""
 
 
 class TraceError(SkolemError):

@@ -19,7 +19,7 @@ from skolem.reasoner.rulebook.parts import Atom, Signature, Statement
 from skolem.reasoner.rulebook.questions import Question, Questions, Solved
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.reasoner.terms import Compound, Term
-from skolem.traces.errors import Fault, InputError, InternalError, RuleError, SkolemError
+from skolem.traces.errors import BrokenRulesError, Fault, InputError, InternalError, RuleError, SkolemError
 from skolem.traces.given import read_regular
 
 RULE_FILES: Final = (  # the table of contents of the folder rules/
@@ -208,7 +208,7 @@ class Rulebook:
         """Make what a user's own rules do against the contract of rules a fault of theirs, with file and line.
 
         Raises:
-            InputError: Instead of a `RuleError`, if there are rules that do not ship.
+            BrokenRulesError: Instead of a `RuleError`, if there are rules that do not ship.
         """
         try:
             yield
@@ -216,7 +216,7 @@ class Rulebook:
             faults = self._blamed(error)
             if not faults:
                 raise
-            raise InputError(faults) from error
+            raise BrokenRulesError(faults) from error
 
     def _blamed(self, error: RuleError) -> list[Fault]:
         """Return a fault at each rule of others that says what an error is about; without any, one for each file."""
@@ -233,7 +233,7 @@ class Rulebook:
     def _refused(self, faults: Sequence[Fault]) -> SkolemError:
         """Return what to raise for faults that show only while questions are answered."""
         ship = all(file.ships for file in self._sources)
-        return InternalError("\n".join(map(str, faults))) if ship else InputError(faults)
+        return InternalError("\n".join(map(str, faults))) if ship else BrokenRulesError(faults)
 
 
 def _solved(rules: Rulebook, queries: object, questions: Sequence[Question], names: tuple[str, ...]) -> Solved:

@@ -16,7 +16,7 @@ from skolem.tools.recorded.rethinking import Given
 from skolem.tools.recorded.rules import Rulebooks
 from skolem.tools.recorded.run import RecordedRun, RecordedStep
 from skolem.traces.compare.diff import tolerance_for
-from skolem.traces.errors import InputError, InternalError, error_text
+from skolem.traces.errors import BrokenRulesError, InternalError, error_text
 from skolem.traces.messages import Memory
 
 NO_MEMORY = "an older trace, without /memory: the rules behind the action cannot be told"
@@ -77,8 +77,7 @@ def explained(trace: Path, step: int | None) -> Explanation:
         _think(run, given, path, thoughts)
     except Exception as error:
         again = end is not None and error_text(error) == end.reason
-        rules_fail = isinstance(error, InputError) and end is not None and end.status == "error"
-        if not (again or rules_fail or isinstance(error, InternalError)):
+        if not again and not isinstance(error, InternalError | BrokenRulesError):
             raise
         notes.append(f"thought again, it fails {'in the same way' if again else f'with: {str(error).splitlines()[0]}'}")
     if end is not None and end.status == "error":

@@ -8,7 +8,7 @@ from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.stopwatch import Stopwatch
 from skolem.tools.recorded.geometry import RecalledGeometry
 from skolem.tools.recorded.run import RecordedRun, RecordedStep
-from skolem.traces.errors import Fault, InputError, error_text
+from skolem.traces.errors import BrokenRulesError, Fault, InputError, error_text
 from skolem.traces.file.codec import HashChain, encode
 from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import CLASS_OF, INPUT, Action, Chain, Geometry, Limits, Message, Prior, RunEnd
@@ -110,6 +110,8 @@ class Rethinking:
         try:
             turn = self._mind.decide(recorded.step)
         except Exception as error:
+            if isinstance(error, InputError) and not isinstance(error, BrokenRulesError):
+                raise  # a limit of the rules' child: it depends on the machine, and is no thought
             failure = error_text(error)
             self._note(recorded, failure)
         return Thought(self._messages(recorded, turn), turn, failure)

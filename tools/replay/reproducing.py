@@ -12,7 +12,7 @@ from skolem.tools.recorded.rules import rulebook_of
 from skolem.tools.recorded.run import CUT_SHORT, check_made_of
 from skolem.traces import Trace
 from skolem.traces.compare.diff import NOT_TIMED, Comparison, Tolerance, by_step
-from skolem.traces.errors import TraceError
+from skolem.traces.errors import BrokenRulesError, InputError, TraceError
 from skolem.traces.file.made_of import SCENARIO
 from skolem.traces.file.reader import Recorded
 from skolem.traces.messages import RunEnd, RunStart
@@ -48,8 +48,9 @@ def reproduce(
     end = next(trace.of(RunEnd), None)
     try:
         run(setup, out, watcher)
-    except Exception:
-        if end is None or end.status != "error":
+    except Exception as error:
+        limit = isinstance(error, InputError) and not isinstance(error, BrokenRulesError)
+        if limit or end is None or end.status != "error":
             raise
     comparison = Comparison(tolerance, keep_all)
     cut_short = end is None or end.status in CUT_SHORT

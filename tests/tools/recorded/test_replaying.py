@@ -24,7 +24,7 @@ from skolem.tools.recorded.replaying import Options, Replayed, replay
 from skolem.tools.recorded.rules import Rulebooks
 from skolem.tools.recorded.run import RecordedRun
 from skolem.traces.compare.diff import Tolerance, tolerance_for
-from skolem.traces.errors import InputError, InternalError, TraceError
+from skolem.traces.errors import Fault, InputError, InternalError, TraceError
 from skolem.traces.file.codec import counter_of
 from skolem.traces.file.made_of import RULES
 from skolem.traces.file.reader import Recorded, Trace
@@ -351,3 +351,13 @@ def test_rules_in_a_trace_open_no_file_of_the_machine(text: str) -> None:
     assert {fault.file for fault in caught.value.faults} == {f"{RULES}own.lp"}
     assert "is not allowed" in str(caught.value)
     assert "root:" not in str(caught.value)
+
+
+def test_a_limit_of_the_rules_ends_a_replay_and_is_no_divergence(monkeypatch: pytest.MonkeyPatch) -> None:
+    def too_much(_: Agent, step: int) -> None:
+        raise InputError([Fault("own.lp", 0, 0, f"this file takes more than 5 s of computing (step {step})")])
+
+    run = RecordedRun(recorded("sim1_green"))
+    monkeypatch.setattr(Agent, "decide", too_much)
+    with pytest.raises(InputError, match="this file takes more than"):
+        replay(run, Options(tolerance_for("equal machine")))
