@@ -34,7 +34,8 @@ def block() -> str:
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Return what the command behind `make demo` prints; its trace lies elsewhere, under the same name."""
-    recipe = subprocess.run(["make", "-n", "demo"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    asked = ["make", "--no-print-directory", "-n", "demo"]  # tests run under make, which would name the folder it leaves
+    recipe = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     _, *arguments = shlex.split(recipe.splitlines()[-1])
     trace = arguments[arguments.index("-o") + 1]
     elsewhere = str(tmp_path_factory.mktemp("demo") / Path(trace).name)
