@@ -68,6 +68,7 @@ class Imagined(PlainBelief):
         self._before = {item.name: item.before for item in given.items}
         self._unseen = dict(given.regions)
         self._held: dict[Hand, str] = {}
+        self._put: set[str] = set()  # what was put down stands in no row any more, even on the table it came from
         self._at: set[str] = set()
         self._approached = ""
         self._version = 0
@@ -204,7 +205,8 @@ class Imagined(PlainBelief):
         if activity.kind != "pick":
             return ()
         row = self.things[activity.anchor].on
-        return tuple(b for b in self._before.get(activity.anchor, ()) if self.things[b].on == row)
+        before = self._before.get(activity.anchor, ())
+        return tuple(b for b in before if self.things[b].on == row and b not in self._put)
 
     # ------------------------------------------------------------ outcomes
 
@@ -225,6 +227,7 @@ class Imagined(PlainBelief):
             case Place():
                 to = action.args[1]
                 del self._held[command.hand]
+                self._put.add(action.args[0])
                 self.tell(action.args[0], hand=None, on=to, at=self.things[to].at, pose_sd=TOLD_SD_M)
             case Weigh():
                 self.tell(action.args[0], ln_kg=(math.log(0.6), SURE_LN))

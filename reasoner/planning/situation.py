@@ -104,7 +104,7 @@ class Situation:
             case Compound("clear", (activity,)):
                 return not self.blockers(activity)
             case Compound("aside", (str(anchor), activity)):
-                return anchor not in self.blockers(activity)
+                return self.hand_of(anchor) is None and anchor not in self.blockers(activity)
         text = f"the rules ask for {fluent}, which is not a fluent the belief or the geometry can answer"
         raise RuleError(text, _functor(fluent))
 
