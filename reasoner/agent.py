@@ -82,7 +82,7 @@ class Agent:
         self._refused: dict[tuple[Term, int], tuple[Term, str]] = {}  # (step, level) -> operation, reason
         self._stopped = 0  # expansions of the longest search in this belief that ended at its limit
         self._in_vain: dict[object, str] = {}  # searches without a plan in this belief, and why: more refusals add none
-        self._objections: dict[Term, str] = {}  # step -> why the robot cannot do such a thing
+        self._objections: dict[Term, str] = {}  # command -> why the robot cannot do such a thing
         self._attempts = Attempts(limits)
         self._executed: Step | None = None
         self._version = belief.version
@@ -236,20 +236,23 @@ class Agent:
         )
 
     def _refuse(self, turn: Turn, step: int, current: Step, why: str, *lacking: Term) -> None:
-        """Note that a step cannot be refined or executed in this belief, and plan from the top without it."""
+        """Note that a step cannot be refined or executed in this belief, and drop the plan that it stands in.
+
+        The plans above stay: what they need of this one is planned anew, without the step.
+        """
         self._refused[current.instance.step, current.level] = current.instance.operation, why
-        self._stack.clear()
+        self._stack.pop()
         turn.plans.append(self._stack.message(step, Change("refused", (current.instance.operation, *lacking))))
 
     def _execute(self, turn: Turn, step: int, current: Step) -> None:
         executes = current.instance.executes
         if executes is not None and (objection := self.posed.situation.objection(executes)) is not None:
-            lacking, self._objections[current.instance.step] = objection
-            self._attempts.give_up(current.instance.step)
+            lacking, self._objections[executes] = objection
+            self._attempts.give_up(executes)
             self._refuse(turn, step, current, IMPOSSIBLE, lacking)
             return
         command = None if executes is None else self._command(executes)
-        if command is None or self._attempts.is_hopeless(current.instance.step):
+        if command is None or self._attempts.is_hopeless(executes):
             self._refuse(turn, step, current, IMPOSSIBLE)
         else:
             self._executed = current
@@ -262,7 +265,7 @@ class Agent:
 
     def _is_refused(self, instance: Instance, level: int) -> bool:
         """Return whether a step is not to be planned with at a level, as long as the belief stays as it is."""
-        return (instance.step, level) in self._refused or self._attempts.is_hopeless(instance.step)
+        return (instance.step, level) in self._refused or self._attempts.is_hopeless(instance.executes)
 
     def _judge_last(self) -> None:
         """Note whether the last action achieved the results that its step promised."""

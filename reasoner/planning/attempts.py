@@ -1,4 +1,4 @@
-"""Counts of failed attempts: of each step in a row, and of each command from where the robot stands."""
+"""Counts of failed attempts: of each command in a row, and of each command from where the robot stands."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ from skolem.traces.messages import Limits
 
 
 class Attempts:
-    """Failures by step and by command; a success resets both counts, a drive resets those of all commands."""
+    """Failures by command; a success resets both counts, a drive resets those from where the robot stood."""
 
     def __init__(self, limits: Limits) -> None:
         """Begin without failures."""
@@ -19,30 +19,32 @@ class Attempts:
 
     def judge(self, done: Instance, achieved: bool) -> None:
         """Note whether an executed step achieved its results."""
-        self._failures[done.step] = 0 if achieved else self._failures[done.step] + 1
+        if done.executes is None:
+            return
+        self._failures[done.executes] = 0 if achieved else self._failures[done.executes] + 1
         if isinstance(done.executes, Compound) and done.executes.name == "move":
             self._in_vain.clear()
-        elif done.executes is not None:
+        else:
             self._in_vain[done.executes] = 0 if achieved else self._in_vain[done.executes] + 1
 
-    def give_up(self, step: Term) -> None:
-        """Note that a step is not to be tried again."""
-        self._failures[step] = self._limits.repeats
+    def give_up(self, command: Term) -> None:
+        """Note that a command is not to be tried again."""
+        self._failures[command] = self._limits.repeats
 
-    def is_hopeless(self, step: Term) -> bool:
-        """Return whether a step failed so often in a row that it is not tried again."""
-        return self._failures[step] >= self._limits.repeats
+    def is_hopeless(self, command: Term | None) -> bool:
+        """Return whether a command failed so often in a row that it is not tried again; an inference never does."""
+        return command is not None and self._failures[command] >= self._limits.repeats
 
     def hopeless(self) -> list[Term]:
-        """Return the steps that are not tried again, in the order in which they were first tried."""
-        return [step for step in self._failures if self.is_hopeless(step)]
+        """Return the commands that are not tried again, in the order in which they were first tried."""
+        return [command for command in self._failures if self.is_hopeless(command)]
 
     def fruitless_here(self) -> frozenset[Term]:
         """Return the commands that failed so often from here that they are not repeated from here."""
         return frozenset(done for done, count in self._in_vain.items() if count >= self._limits.same_looks)
 
     def failures(self) -> dict[str, int]:
-        """Return how often in a row each step failed, for the trace."""
+        """Return how often in a row each command failed, for the trace."""
         return _written(self._failures)
 
     def in_vain(self) -> dict[str, int]:

@@ -54,6 +54,10 @@ class PlanStack:
         self._layers.append(list(steps))
         self._chosen.append(0)
 
+    def pop(self) -> None:
+        """Drop the lowest plan."""
+        self._cut(len(self._layers) - 1)
+
     def clear(self) -> None:
         """Drop every plan."""
         self._cut(0)
