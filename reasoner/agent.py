@@ -35,7 +35,8 @@ from skolem.traces.messages import (
 
 IMPOSSIBLE: Final = "found impossible in the believed world"  # what is said of a step that is refused
 UNLIKELY: Final = "too unlikely in detail"
-NOT_FOUND: Final = "not found in detail within the limit"
+NOT_FOUND: Final = "not found in detail within the limits"
+MOST_EFFORT: Final = 4  # limits of searches are doubled so far before a run is given up for one of them
 _PRICE = "recalled"  # the single reason that stands for the costs of a recalled step
 _DEMANDED = "recalled"  # the single precondition that stands for those of a recalled step
 
@@ -81,6 +82,8 @@ class Agent:
             self._mutexes = read_mutexes(rulebook)
         self._refused: dict[tuple[Term, int], tuple[Term, str]] = {}  # (step, level) -> operation, reason
         self._stopped = 0  # expansions of the longest search in this belief that ended at its limit
+        self._too_deep = False  # whether a step of this belief was not refined, since the stack was as deep as may be
+        self._effort = 1  # by which the limits of searches are multiplied in this belief
         self._in_vain: dict[object, str] = {}  # searches without a plan in this belief, and why: more refusals add none
         self._objections: dict[Term, str] = {}  # command -> why the robot cannot do such a thing
         self._attempts = Attempts(limits)
@@ -141,7 +144,7 @@ class Agent:
         self._version, self.posed = self._belief.version, self._pose()
         self._refused.clear()
         self._in_vain.clear()
-        self._stopped = 0
+        self._stopped, self._too_deep, self._effort = 0, False, 1
         self._mutexes.forget()
 
     def _pose(self) -> PosedGoal:
@@ -167,7 +170,7 @@ class Agent:
             current = self._stack.current()
             if current is None:
                 self._plan(turn, step, self.posed.instantiations, "start")
-                if not len(self._stack):
+                if not len(self._stack) and not self._try_harder():
                     self._give_up(turn, step)
             elif current.is_concrete:
                 self._execute(turn, step, current)
@@ -176,12 +179,26 @@ class Agent:
 
     def _refine(self, turn: Turn, step: int, current: Step) -> None:
         """Plan for the chosen step's subgoal one level deeper: with the same operation if that can be, else anyhow."""
+        if len(self._stack) >= self._limits.hierarchy_depth * self._effort:
+            self._too_deep = True
+            self._refuse(turn, step, current, NOT_FOUND)
+            return
         why = IMPOSSIBLE
         for final in (current.instance.operation, None):
-            if self._stack.current() is current and len(self._stack) < self._limits.hierarchy_depth:
+            if self._stack.current() is current:
                 why = self._plan(turn, step, (current.subgoal,), "refine", final)
         if self._stack.current() is current:
             self._refuse(turn, step, current, why)
+
+    def _try_harder(self) -> bool:
+        """Double the limits of searches, if one of them ended a search; return whether planning should go on."""
+        if self._effort >= MOST_EFFORT or not (self._stopped or self._too_deep):
+            return False
+        self._effort *= 2
+        self._stopped, self._too_deep = 0, False
+        self._in_vain = {search: why for search, why in self._in_vain.items() if why != NOT_FOUND}
+        self._refused = {step: told for step, told in self._refused.items() if told[1] != NOT_FOUND}
+        return True
 
     def _drop_what_no_longer_applies(self, turn: Turn, step: int) -> None:
         def false_in(fluents: Subgoal) -> list[Term]:
@@ -205,7 +222,7 @@ class Agent:
             self.posed.offers,
             self._stack.level_of,
             self._is_refused,
-            self._limits.expansions,
+            self._limits.expansions * self._effort,
             nll(self._limits.min_plan_probability),
             final,
             self._limits.optimal,
@@ -298,7 +315,10 @@ class Agent:
         if often:
             reason += f"; without success {self._limits.repeats} times: {', '.join(sorted(often))}"
         if self._stopped:
-            reason += f"; stopped after {self._stopped} expansions (limits.expansions)"
+            reason += f"; stopped after {self._stopped} expansions ({self._effort} times limits.expansions)"
+        if self._too_deep:
+            depth = self._effort * self._limits.hierarchy_depth
+            reason += f"; stopped {depth} plans deep ({self._effort} times limits.hierarchy_depth)"
         self._finish(turn, step, "goal_unachievable", reason)
 
     def _finish(self, turn: Turn, step: int, status: RunStatus, reason: str) -> None:
