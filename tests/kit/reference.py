@@ -15,9 +15,9 @@ from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.planning.regression import Subgoal
 from skolem.reasoner.terms import ANY, Compound, Term, compound, matches, parse_term
 
-SURE, LIKELY, PATIENCE = 223_144, 693_147, 693_147
+SURE, LIKELY, PATIENCE, ROUNDING = 223_144, 693_147, 693_147, 3
 SLIP = LANDING = OVERLOOKED = 51_293
-DRIFT, STILL_BLOCKED = 30_459, 105_361
+DRIFT, STILL_BLOCKED, BUSY_HAND = 30_459, 105_361, 105_361
 HANDS = ("right", "left")
 MEASURES = {"soda": "type", "bottle": "type", "carton": "type", "green": "colour", "heavy": "weight"}
 Need = tuple[Term, int]
@@ -49,7 +49,7 @@ class Reference:
                 yield from self._examine(fluent, e, o, p) if self.q.rigid(o) else self._find(fluent, e, o, p)
             case Compound("b", (Compound("holds", (Compound("", words), o)), int(p))):
                 step = compound("split", compound("", *words), o, p)
-                needs = [(t("b(supposed({k},{o}),{p})", k=k, o=o, p=p // len(words)), 0) for k in words]
+                needs = [(t("b(supposed({k},{o}),{p})", k=k, o=o, p=(p - len(words)) // len(words)), 0) for k in words]
                 yield self._made(step, [fluent], needs, immediate=True)
             case Compound("b", (Compound("supposed" | "prop" as kind, (str(k), o)), int(p))):
                 yield from self._infer(fluent, kind, k, o, p)
@@ -86,14 +86,16 @@ class Reference:
 
     def _examine(self, fluent: Term, e: str, o: Term, p: int) -> Iterator[Instance]:
         anchor, present = str(o), int(str(self.q.present(e, str(o))))
-        for props in self.q.props_for(e, anchor, p):
+        doubt = int(str(self.q.doubt(anchor)))
+        exists = 2 * doubt if 4 * doubt <= p else p // 2
+        rest = p - exists - ROUNDING
+        for props in self.q.props_for(e, anchor, rest):
             assert isinstance(props, Compound)
-            portion = int(str(self.q.portion(e, props, anchor, p)))
+            portion = int(str(self.q.portion(e, props, anchor, rest)))
             needs: list[Need] = [(t("b(den({e},{o}),{p})", e=e, o=o, p=present + PATIENCE), 0)]
             needs += [(t("b(holds({w},{o}),{p})", w=props, o=o, p=portion), 1)]
-            needs += [(t("b(holds({w},{o}),{p})", w=w, o=o, p=p - portion), 1) for w in self.q.settled(e, props)]
-            if int(str(self.q.doubt(anchor))) > p // 2:
-                needs += [(t("b(exists({o}),{p})", o=o, p=p // 2), 1)]
+            needs += [(t("b(holds({w},{o}),{p})", w=w, o=o, p=rest - portion), 1) for w in self.q.settled(e, props)]
+            needs += [(t("b(exists({o}),{p})", o=o, p=exists), 1)]
             name, results = compound("examine_obj", e, o), [fluent, compound("krd", o)]
             costs = {"prior_of_description": present}
             yield self._made(compound("examine", e, props, o, p), results, needs, costs, operation=name)
@@ -164,16 +166,21 @@ class Reference:
         if not self.q.graspable(o):
             return
         yaw: Term = 150 if self.q.yaw_observable(o) else ANY
-        for hand in hands:
-            step = compound("pick", hand, o)
-            needs: list[Need] = [(compound("krd", o), 0), (compound("empty", hand), 1), (compound("clear", step), 2)]
+        for hand, beside in itertools.product(hands, (False, True)):
+            command = compound("pick", hand, o)
+            step = compound("pick_beside", hand, o) if beside else command
+            free = [hand] if beside else list(HANDS)
+            needs: list[Need] = [(compound("krd", o), 0), (compound("clear", command), 2)]
+            needs += [(compound("empty", each), 1) for each in free]
             needs += [(t("bn(pose({o}),any,sd(50,50,any),any,{p})", o=o, p=SURE), 1)]
-            needs += [(t("bn(pose({o}),any,sd(8,8,{y}),any,{p})", o=o, y=yaw, p=SURE), 3), (compound("at", step), 3)]
+            needs += [(t("bn(pose({o}),any,sd(8,8,{y}),any,{p})", o=o, y=yaw, p=SURE), 3), (compound("at", command), 3)]
             needs += [(edges(support), 3) for support in self.q.support_of(o)]
             loses = [compound("empty", hand), compound("loose", o), t("b(on({o},any),any)", o=o)]
+            loses += [t("aside({o},any)", o=o)]
             results = [compound("holding", o), compound("held", hand, o)]
+            costs = {"slips": SLIP} | ({"busy_hand": BUSY_HAND} if beside else {})
             name = compound("pick", o)
-            yield self._made(step, results, needs, {"slips": SLIP}, destroys=loses, operation=name, executes=step)
+            yield self._made(step, results, needs, costs, destroys=loses, operation=name, executes=command)
 
     def _places(self, fluent: Term) -> Iterator[Instance]:
         match fluent:
@@ -204,7 +211,9 @@ class Reference:
         executes = compound("place", o, s, activity)
         step = executes if hand is None else compound(kind, hand, o, s, activity)
         needs: list[Need] = [(compound("krd", o), 0), (compound("holding", o), 1)]
-        needs = needs if hand is None else [(compound("krd", o), 0), (compound("held", hand, o), 1)]
+        if hand is not None:
+            needs = [(compound("krd", o), 0), (compound("held", hand, o), 1)]
+            needs += [(compound("aside", other, activity), 0) for other in self._in_front(hand, o, activity)]
         needs += [(edges(s), 2), (compound("at", executes), 2)]
         loses = ["holding({o})", "held(any,{o})", "b(on({o},any),any)", "bn(pose({o}),any,any,any,any)"]
         costs = {"lands_elsewhere": LANDING}
@@ -219,6 +228,23 @@ class Reference:
             operation=compound("place", o, s),
             executes=executes,
         )
+
+    def _in_front(self, hand: str, o: Term, activity: Term) -> list[Term]:
+        """Return what stands in the way of an activity and before `o`, but for what `o` stands before in turn."""
+        row = self.q.blockers(activity)
+        before = {
+            each: [x for x in self.q.blockers(compound("pick", hand, each)) if x in row and x != each] for each in row
+        }
+
+        def leads(start: Term) -> set[Term]:
+            reached, queue = set[Term](), [start]
+            while queue:
+                fresh = [x for x in before[queue.pop()] if x not in reached]
+                reached.update(fresh)
+                queue += fresh
+            return reached
+
+        return [x for x in before.get(o, []) if o not in leads(x)] if len(row) > 1 else []
 
     @staticmethod
     def _made(

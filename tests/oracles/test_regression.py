@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, strategies as st
 from kit.draws import examples
 from kit.instance_tables import Table, instance, terms
-from kit.minds import Region, TableBelief, TableGeometry, Thing
+from kit.minds import TableBelief, Thing
 from kit.papers import EXAMPLE_GOAL, posed, shipped
+from kit.posed import scenes
 from kit.reference import Reference, UnfinishedError, cheapest, offered, regressed
 from numpy.random import PCG64, Generator, SeedSequence
 
@@ -30,6 +31,7 @@ SKILLS = {  # how likely the robot's own steps succeed, whatever is believed
     "look_region": 0.95,
     "move": 0.97,
     "pick": 0.95,
+    "pick_beside": 0.95 * 0.9,
     "place": 0.95,
     "put": 0.95,
     "remove": 0.9,
@@ -61,34 +63,6 @@ WISHES = (
     "b(den(e1,{x}),{p}) & b(on({x},desk),{p})",
     "b(den(e1,{sk}),{p}) & b(on({sk},desk),{p})",
 )
-
-
-@st.composite
-def scenes(draw: st.DrawFn, most: int = 4) -> PosedGoal:
-    """A goal posed of a belief in some things on two tables, one perhaps in a hand, one in the way of another."""
-    share = st.sampled_from([0.05, 0.3, 0.6, 0.9, 0.99])
-    things = {name: Thing({"table": 1.0}, pose_sd=draw(st.sampled_from([0.004, 0.03]))) for name in ("desk", "side")}
-    movable = [f"o{k + 1}" for k in range(draw(st.integers(1, most)))]
-    for name in movable:
-        soda = draw(share)
-        things[name] = Thing(
-            {"soda": soda, "bottle": 1.0 - soda},
-            on=draw(st.sampled_from(["desk", "side"])),
-            hsv=(draw(st.sampled_from([0.2, 0.33, 0.6])), 0.8, 0.8),
-            hsv_sd=draw(st.sampled_from([0.01, 0.05, 0.2])),
-            ln_kg=(math.log(draw(st.sampled_from([0.1, 0.3, 0.5]))), draw(st.sampled_from([0.05, 0.6]))),
-            pose_sd=draw(st.sampled_from([0.004, 0.03, 0.08])),
-            exists=draw(st.sampled_from([0.6, 0.97, 1.0])),
-        )
-    if draw(st.booleans()):
-        held = things[draw(st.sampled_from(movable))]
-        held.on, held.hand = None, draw(st.sampled_from(["right", "left"]))
-    regions = {f"_reg{k}_": Region("side", draw(st.floats(0.1, 3.0))) for k in range(draw(st.integers(0, 2)))}
-    geometry = TableGeometry()
-    if len(movable) > 1 and draw(st.booleans()):
-        geometry.in_the_way = {f"pick({hand}, o1)": ("o2",) for hand in ("right", "left")}
-    geometry.at = set(draw(st.sampled_from([[], ["look(o1)"], ["pick(right, o1)", "look(o1)"]])))
-    return posed(EXAMPLE_GOAL, TableBelief(things, regions), geometry=geometry)
 
 
 def reference(at: PosedGoal) -> Reference:
@@ -292,4 +266,6 @@ def test_the_reference_is_not_empty() -> None:
     assert [str(i.step) for i in reference(at).instances(parse_term("holding(o1)"))] == [
         "pick(left,o1)",
         "pick(right,o1)",
+        "pick_beside(left,o1)",
+        "pick_beside(right,o1)",
     ]
