@@ -1,8 +1,10 @@
 """From an action and what the robot's own joints said about it to events."""
 
+from skolem.estimation import arm
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.events import Event, Moved, Picked, PickFailed, Placed, Posed
-from skolem.traces.messages import Action, ActionResult, Hand, NoiseModel, Pick, Place, Pose4
+from skolem.estimation.events import Event, Lost, Moved, Picked, PickFailed, Placed, Posed
+from skolem.estimation.se2 import raised
+from skolem.traces.messages import HANDS, Action, ActionResult, Hand, NoiseModel, Pick, Place, Pose4
 
 
 def events_of(
@@ -21,6 +23,8 @@ def events_of(
         noise: Of wheels, and of objects at release.
         config: Reads `closed_gap_m`, `dropped_sd_m`, `dropped_sd_rad`, `touched_sd_m` and `touched_sd_rad`.
 
+    A hand that is believed to hold something and whose fingers have met holds it no longer, whatever was done.
+
     An arm that touched something where its way was thought free never closed or opened its fingers. The base then does
     not stand where it was believed to: it is taken to be as uncertain as after a short drive, so that looking is in
     order again.
@@ -30,12 +34,37 @@ def events_of(
         events += _drive(result.odometry, noise)
     if isinstance(action.command, Pick | Place) and result.base_T_tool is None:
         events.append(Moved(start_T_end=(0.0, 0.0, 0.0), sd_m=config.touched_sd_m, sd_rad=config.touched_sd_rad))
+    lost = [hand for hand in HANDS if hand in grasps and _is_empty(hand, action, result, config)]
+    events += [_lost(hand, grasps[hand][0], result, config) for hand in lost]
     match action.command:
         case Pick():
             events += _pick(action, action.command, result, config)
-        case Place() if action.command.hand in grasps:
+        case Place() if action.command.hand in grasps and action.command.hand not in lost:
             events += _place(action, action.command, result, grasps[action.command.hand], noise, config)
     return tuple(events)
+
+
+def _is_empty(hand: Hand, action: Action, result: ActionResult, config: EstimatorConfig) -> bool:
+    """Return whether a hand turned out to be empty: its fingers met, or it opened to put something down and had none.
+
+    Fingers that hold nothing always have met or were opened, and those that were opened are believed to hold nothing.
+    """
+    if hand in result.gaps_m:
+        return result.gaps_m[hand] < config.closed_gap_m
+    opened = isinstance(action.command, Place) and action.command.hand == hand and result.base_T_tool is not None
+    return opened and result.status == "failed"
+
+
+def _lost(hand: Hand, anchor: str, result: ActionResult, config: EstimatorConfig) -> Lost:
+    tool = arm.base_T_tool(result.robot, hand)
+    return Lost(
+        hand=hand,
+        anchor=anchor,
+        base_T_tool=raised(arm.flattened(tool), float(tool[2, 3])),
+        sd_m=config.lost_sd_m,
+        sd_rad=config.unknown_heading_sd_rad,
+        sd_z_m=config.lost_sd_z_m,
+    )
 
 
 def _drive(start_T_end: tuple[float, float, float], noise: NoiseModel) -> list[Event]:

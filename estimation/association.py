@@ -40,10 +40,13 @@ class Match:
     log_density: float
 
 
-def with_heading_near(measured: Measured, predicted: float, kind: ObjectType) -> Measured:
+def with_heading_near(
+    measured: Measured, predicted: float, kind: ObjectType, seen_as: ObjectType, unknown_sd_rad: float
+) -> Measured:
     """Return the same detection with, of all headings at which `kind` looks alike, the one nearest to `predicted`.
 
-    A cylinder looks alike at all headings, a box after half a turn, a square one after a quarter.
+    A cylinder looks alike at all headings, a box after half a turn, a square one after a quarter. The heading of a box
+    that is believed to be of another type is not measured: its sd is that of a heading of which nothing is known.
     """
     x, y, theta = measured.base_T_object
     turn = predicted - theta
@@ -51,7 +54,10 @@ def with_heading_near(measured: Measured, predicted: float, kind: ObjectType) ->
         period = math.pi / 2.0 if kind.size_m[0] == kind.size_m[1] else math.pi
         turn = period * round(turn / period)
     pose = compose((x, y, theta), (0.0, 0.0, turn))
-    return Measured(pose, turned(measured.covariance, -turn))
+    covariance = turned(measured.covariance, -turn)
+    if seen_as != kind and seen_as.shape != "cylinder":
+        covariance = covariance + np.diag([0.0, 0.0, unknown_sd_rad**2])
+    return Measured(pose, covariance)
 
 
 def match(believed: Pose2, covariance: Matrix, measured: Measured) -> Match:

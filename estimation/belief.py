@@ -45,6 +45,7 @@ from skolem.traces.messages.poses import raised
 _MEMORY: Final = 4096
 _colour_prob = lru_cache(_MEMORY)(ColourBelief.prob)
 _colour_favourable = lru_cache(_MEMORY)(ColourBelief.prob_favourable)
+_colour_matched = lru_cache(_MEMORY)(ColourBelief.matched)
 _weight_prob = lru_cache(_MEMORY)(WeightBelief.prob)
 _weight_favourable = lru_cache(_MEMORY)(WeightBelief.prob_favourable)
 _weight_matched = lru_cache(_MEMORY)(WeightBelief.matched)
@@ -228,7 +229,8 @@ class Belief:
             mean, covariance = self._relation(BASE, anchor)
             return Gaussian(np.array(mean), covariance.copy(), track.exists)
         if quantity == "colour":
-            return Gaussian(np.array(track.colour.mean), np.diag(track.colour.variance), track.exists)
+            hsv, variances = _colour_matched(track.colour)
+            return Gaussian(np.array(hsv), np.diag(variances), track.exists)
         if quantity == "weight":
             log_kg, variance = _weight_matched(track.weight)
             return Gaussian(np.array([log_kg]), np.array([[variance]]), track.exists)
@@ -293,6 +295,7 @@ class Belief:
     def _object(self, anchor: str, joint: Joint, index: int) -> ObjectBelief:
         track = self._tracks[anchor]
         log_kg, variance = _weight_matched(track.weight)
+        hsv, variances = _colour_matched(track.colour)
         stranger = self._tracks.stranger()
         return ObjectBelief(
             exists=track.exists,
@@ -302,7 +305,7 @@ class Belief:
             support=track.support,
             in_hand=track.hand,
             tool_T_object=self._grasp(track),
-            colour=messages.HsvBelief(mean=track.colour.mean, variance=track.colour.variance),
+            colour=messages.HsvBelief(mean=hsv, variance=variances),
             colour_seen=track.colour != stranger.colour,
             log_weight=(log_kg + 0.0, variance + 0.0),
             weighed=track.weight != stranger.weight,

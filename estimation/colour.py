@@ -1,20 +1,32 @@
-"""What is believed of an object's colour, and how a camera observes it."""
+"""What is believed of an object's colour, and how a camera observes it.
+
+Words speak of hue, saturation and value; noise acts on red, green and blue. What has been read is therefore kept as it
+was read, channel by channel, beside the prior: a posterior in HSV would have to take its noise from a noisy reading.
+"""
 
 import colorsys
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
+from scipy.special import ndtr, ndtri
 
 from skolem.estimation.attributes import ROUNDING
+from skolem.estimation.colour_grid import COARSE, FINE, LEAST_VARIANCE, ColourGrid, Readings, Triple, colour_grid
 from skolem.traces.messages import HsvBelief, HsvVolume
 
 Array = NDArray[np.float64]
 UNIFORM_SD = 12**-0.5  # of a hue of which nothing is known
-HUE_NODES, LEVEL_NODES = 96, 24  # of the quadrature over readings
-LEAST_VARIANCE = 1e-12  # of a belief that is as good as certain
+LOOKS = 32  # tried to find out what one more may show
+LEAST_SD = 1e-4  # of a channel; a sensor without noise
+# A channel read as 0 was at most 0: the likelihood of its mean m is Phi(-m / sd), to second order at m = 0 that
+# of a reading at -sqrt(pi / 2) sds with 2 / pi of the precision. The same holds at 1.
+CLIPPED_SDS, CLIPPED_PRECISION = math.sqrt(math.pi / 2.0), 2.0 / math.pi
+SEQUENCE = tuple(1.1673039782614187**-k for k in range(1, 7))  # additive recurrence in 6 dimensions: x^7 = x + 1
+GRIDS = 256  # kept
+NOTHING: Triple = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,12 +41,17 @@ class ColourSensor:
         red, green, blue = (min(1.0, max(0.0, channel / self.gain)) for channel in rgb)
         return colorsys.rgb_to_hsv(red, green, blue)
 
+    @property
+    def sd(self) -> float:
+        """Sd of a channel as it is read."""
+        return max(self.sd_rgb, LEAST_SD * self.gain)
+
     def variance(self, saturation: float, value: float) -> tuple[float, float, float]:
         """Return the variance of an observed (hue, saturation, value), to first order in the RGB noise.
 
         The hue of a colour with largest channel v and range s v errs by sqrt(2) sd / (6 s v); a grey's is unknown.
         """
-        sd = max(self.sd_rgb / self.gain, 1e-4)
+        sd = self.sd / self.gain
         v = max(value, sd)
         hue = math.sqrt(2.0) * sd / (6.0 * max(saturation, 1e-3) * v)
         level = sd * math.hypot(1.0, 1.0 - saturation) / v
@@ -43,18 +60,20 @@ class ColourSensor:
 
 @dataclass(frozen=True, slots=True)
 class ColourBelief:
-    """Independent Gaussians over hue (wrapped at 1), saturation and value (truncated to 0..1).
+    """A prior over hue (wrapped at 1), saturation and value (truncated to 0..1), and what has been read since.
 
     Attributes:
-        mean, variance: Of each, before wrapping or truncation.
+        mean, variance: Of the prior, before wrapping or truncation.
         sensor: How it is observed.
-        seen: Whether it has been.
+        rgb: Mean of the readings, channel by channel, as the camera saw it.
+        precision: Of that mean; 0: nothing was read.
     """
 
-    mean: tuple[float, float, float]
-    variance: tuple[float, float, float]
+    mean: Triple
+    variance: Triple
     sensor: ColourSensor
-    seen: bool = False
+    rgb: Triple = NOTHING
+    precision: Triple = NOTHING
 
     @classmethod
     def of(cls, prior: HsvBelief, sensor: ColourSensor) -> "ColourBelief":
@@ -62,15 +81,25 @@ class ColourBelief:
         hue, saturation, value = prior.mean
         return cls((hue % 1.0, _clip(saturation), _clip(value)), prior.variance, sensor)
 
-    def updated(self, rgb: tuple[float, float, float]) -> "ColourBelief":
-        """Return the belief after a mean colour was observed; Kalman on each axis, the hue's innovation wrapped."""
-        z = self.sensor.hsv(rgb)
-        noise = self.sensor.variance(z[1], z[2])
-        gain = [v / (v + r) for v, r in zip(self.variance, noise, strict=True)]
-        off = [math.remainder(z[0] - self.mean[0], 1.0), z[1] - self.mean[1], z[2] - self.mean[2]]
-        hue, saturation, value = (m + k * d for m, k, d in zip(self.mean, gain, off, strict=True))
-        h, s, v = ((1.0 - k) * old for k, old in zip(gain, self.variance, strict=True))
-        return replace(self, mean=(hue % 1.0, saturation, value), variance=(h, s, v), seen=True)
+    @property
+    def seen(self) -> bool:
+        """Whether it has been observed."""
+        return self.precision != NOTHING
+
+    def updated(self, rgb: Triple) -> "ColourBelief":
+        """Return the belief after a mean colour was observed; what lies beyond 0..1 is read as the end of it."""
+        sd = self.sensor.sd
+        at = tuple(-CLIPPED_SDS * sd if c <= 0.0 else 1.0 + CLIPPED_SDS * sd if c >= 1.0 else c for c in rgb)
+        precision = tuple((1.0 if 0.0 < c < 1.0 else CLIPPED_PRECISION) / sd**2 for c in rgb)
+        return self._read(at, precision)
+
+    def _read(self, rgb: tuple[float, ...], precision: tuple[float, ...]) -> "ColourBelief":
+        total = tuple(old + new for old, new in zip(self.precision, precision, strict=True))
+        mean = tuple(
+            old + (new - old) * (share / whole if whole > 0.0 else 0.0)
+            for old, new, share, whole in zip(self.rgb, rgb, precision, total, strict=True)
+        )
+        return replace(self, rgb=_triple(mean), precision=_triple(total))
 
     def fused(self, other: "ColourBelief", prior: "ColourBelief") -> "ColourBelief":
         """Return the belief of one who knows what both do; `prior` is what is known of any object, and so of both."""
@@ -81,36 +110,93 @@ class ColourBelief:
             )
         ]
         (h, hv), (s, sv), (v, vv) = pooled
-        return replace(self, mean=(h, s, v), variance=(hv, sv, vv), seen=self.seen or other.seen)
+        return replace(self, mean=(h, s, v), variance=(hv, sv, vv))._read(other.rgb, other.precision)
 
-    def observation_variance(self) -> tuple[float, float, float]:
+    def matched(self) -> tuple[Triple, Triple]:
+        """Return mean and variance of hue, saturation and value."""
+        return _grid(self).moments() if self.seen else (self.mean, self.variance)
+
+    def observation_variance(self) -> Triple:
         """Return the variance of one observation at the mean."""
-        return self.sensor.variance(self.mean[1], self.mean[2])
+        (_, saturation, value), _ = self.matched()
+        return self.sensor.variance(saturation, value)
 
     def prob(self, volume: HsvVolume) -> float:
         """Return P(the colour lies in the volume)."""
+        if self.seen:
+            return _grid(self).mass(volume.hue, volume.saturation, volume.value)
         h, s, v = (math.sqrt(max(variance, LEAST_VARIANCE)) for variance in self.variance)
-        hue = _hue_mass(np.array(self.mean[0]), h, volume.hue)
-        saturation = _level_mass(np.array(self.mean[1]), s, volume.saturation)
-        return float(hue * saturation * _level_mass(np.array(self.mean[2]), v, volume.value))
+        hue = _hue_mass(self.mean[0], h, volume.hue)
+        saturation = _level_mass(self.mean[1], s, volume.saturation)
+        return hue * saturation * _level_mass(self.mean[2], v, volume.value)
 
     def prob_favourable(self, volume: HsvVolume, p: float) -> float:
-        """Return P(one look lifts the belief in the volume to at least `p` | the colour lies in it).
+        """Return P(one look lifts the belief in the volume to at least `p` | the colour lies in it)."""
+        lifted = _lifted(self, volume)
+        return sum(after >= p - ROUNDING for after in lifted) / len(lifted) if lifted else 0.0
 
-        Given the volume the axes stay independent, and an axis reads z with density N(z; m, v + r) P(volume | z).
-        """
-        likely = (_clip(self.mean[1], *volume.saturation), _clip(self.mean[2], *volume.value))
-        noise = self.sensor.variance(*likely)
-        low, high = volume.hue
-        spans = ((low, high if high >= low else high + 1.0), volume.saturation, volume.value)
-        h, s, v = (
-            _readings(axis == 0, self.mean[axis], self.variance[axis], noise[axis], spans[axis]) for axis in range(3)
-        )
-        belief, weight = np.outer(s[0], v[0]).ravel(), np.outer(s[1], v[1]).ravel()
-        order = np.argsort(belief, kind="stable")
-        at_least = np.append(np.cumsum(weight[order][::-1])[::-1], 0.0)  # weight of the readings from each on
-        needed = (p - ROUNDING) / np.maximum(h[0], ROUNDING)
-        return min(1.0, float(h[1] @ at_least[np.searchsorted(belief[order], needed)]))
+
+@lru_cache(GRIDS)
+def _grid(belief: ColourBelief, cells: tuple[int, int] = FINE) -> ColourGrid:
+    """Return the density of the colour."""
+    readings = Readings(np.array(belief.rgb), np.array(belief.precision))
+    return colour_grid(belief.mean, belief.variance, belief.sensor.gain, readings, _first(belief), cells)
+
+
+def _first(belief: ColourBelief) -> tuple[Triple, Triple] | None:
+    """Return HSV and its sds as the readings alone have it, generously, to say where to look for mass."""
+    if not belief.seen:
+        return None
+    hsv = belief.sensor.hsv(belief.rgb)
+    spread = 2.0 / math.sqrt(min(belief.precision) * belief.sensor.sd**2)
+    _, level, value = (math.sqrt(v) for v in belief.sensor.variance(hsv[1], hsv[2]))
+    level, value = spread * level, spread * value
+    darkest = max(hsv[2] - 3.0 * value, 0.2 * hsv[2])
+    hue = math.sqrt(belief.sensor.variance(max(hsv[1] - 3.0 * level, 0.0), darkest)[0])
+    return hsv, (spread * hue, level, value)
+
+
+@lru_cache(GRIDS)
+def _lifted(belief: ColourBelief, volume: HsvVolume) -> tuple[float, ...]:
+    """Return the belief in a volume after each of some equally likely looks at colours that lie in it.
+
+    Colours are spread evenly over what is believed of the volume, and errors over what the sensor makes.
+    """
+    grid = _grid(belief)
+    below, above = max(volume.value[0], 0.0), min(volume.value[1], 1.0)
+    joint = np.cumsum(grid.joint(volume.hue, volume.saturation, volume.value).ravel())
+    if not joint[-1] > 0.0:
+        return ()
+    steps = (0.5 + np.arange(1, LOOKS + 1)[:, None] * np.array(SEQUENCE)) % 1.0
+    cells = np.minimum(np.searchsorted(joint, steps[:, 0] * joint[-1]), len(joint) - 1)
+    i, j = np.unravel_index(cells, grid.weight.shape)
+    h = _within(grid.hues, i, steps[:, 1], volume.hue)
+    s = np.clip(_within(grid.saturations, j, steps[:, 2], None), *volume.saturation)
+    middle, sd = grid.value[i, j], grid.sd[i, j]
+    low, high = ndtr((below - middle) / sd), ndtr((above - middle) / sd)
+    share = (0.5 + np.arange(1, LOOKS + 1) * math.sqrt(2.0)) % 1.0
+    v = np.clip(middle + sd * ndtri(np.clip(low + share * (high - low), ROUNDING, 1.0 - ROUNDING)), below, above)
+    noise = belief.sensor.sd * ndtri(np.clip(steps[:, 3:], ROUNDING, 1.0 - ROUNDING))
+    colours = [colorsys.hsv_to_rgb(*hsv) for hsv in zip(h.tolist(), s.tolist(), v.tolist(), strict=True)]
+    seen = np.clip(belief.sensor.gain * np.array(colours) + noise, 0.0, 1.0).tolist()
+    after = (_grid(belief.updated(_triple(rgb)), COARSE) for rgb in seen)
+    return tuple(each.mass(volume.hue, volume.saturation, volume.value) for each in after)
+
+
+def _within(borders: Array, cells: NDArray[np.intp], share: Array, hue: tuple[float, float] | None) -> Array:
+    """Return where in its cell each of some colours lies, shape (n,); hues are brought into theirs."""
+    x = borders[cells] + share * (borders[cells + 1] - borders[cells])
+    if hue is None:
+        return np.asarray(x)
+    low, width = hue[0], hue[1] - hue[0] if hue[1] >= hue[0] else hue[1] + 1.0 - hue[0]
+    off = (x - low) % 1.0
+    beyond = np.where(off - width < 1.0 - off, width, 0.0)
+    return np.asarray((low + np.where(off > width, beyond, off)) % 1.0)
+
+
+def _triple(values: "tuple[float, ...] | list[float]") -> Triple:
+    a, b, c = values
+    return (a, b, c)
 
 
 def _pooled(
@@ -133,43 +219,17 @@ def _clip(x: float, low: float = 0.0, high: float = 1.0) -> float:
     return min(high, max(low, x))
 
 
-def _hue_mass(mean: Array, sd: float, span: tuple[float, float]) -> Array:
-    """Return the mass of wrapped Gaussians in an interval that wraps if low > high, of the shape of `mean`."""
+def _hue_mass(mean: float, sd: float, span: tuple[float, float]) -> float:
+    """Return the mass of a wrapped Gaussian in an interval that wraps if low > high."""
     low, high = span
     high = high if high >= low else high + 1.0
     turns = math.ceil(8.0 * sd) + 2
-    k = np.arange(-turns, turns + 1)
-    at = mean[..., None] - k
-    return np.asarray(np.minimum(1.0, (ndtr((high - at) / sd) - ndtr((low - at) / sd)).sum(axis=-1)))
+    at = mean - np.arange(-turns, turns + 1)
+    return min(1.0, float((ndtr((high - at) / sd) - ndtr((low - at) / sd)).sum()))
 
 
-def _level_mass(mean: Array, sd: float, span: tuple[float, float]) -> Array:
-    """Return the mass, in an interval, of Gaussians truncated to 0..1, of the shape of `mean`.
-
-    Means beyond the range, which a noisy reading can have, count as its end: the sensor saturates there.
-    """
-    mean = np.clip(mean, 0.0, 1.0)
+def _level_mass(mean: float, sd: float, span: tuple[float, float]) -> float:
+    """Return the mass, in an interval, of a Gaussian truncated to 0..1."""
     low, high = max(span[0], 0.0), min(span[1], 1.0)
     inside = ndtr((high - mean) / sd) - ndtr((low - mean) / sd)
-    return np.asarray(inside / (ndtr((1.0 - mean) / sd) - ndtr(-mean / sd)))
-
-
-def _readings(
-    is_hue: bool, mean: float, variance: float, noise: float, span: tuple[float, float]
-) -> tuple[Array, Array]:
-    """Return (belief in `span` after a reading, weight of the reading given `span`) over readings of one axis."""
-    if not is_hue and span[0] <= 0.0 and span[1] >= 1.0:
-        return np.ones(1), np.ones(1)
-    reach = 5.0 * math.sqrt(noise)
-    z = np.linspace(span[0] - reach, span[1] + reach, HUE_NODES if is_hue else LEVEL_NODES)
-    gain, left = variance / (variance + noise), math.sqrt(max(variance * noise / (variance + noise), LEAST_VARIANCE))
-    off = z - mean
-    if is_hue:
-        off = off - np.round(off)
-        given = belief = _hue_mass(mean + gain * off, left, span)
-    else:  # what exceeds the range is reported as its end
-        given = _level_mass(mean + gain * off, left, span)
-        belief = _level_mass(mean + gain * (np.clip(z, 0.0, 1.0) - mean), left, span)
-    weight = np.exp(-0.5 * off**2 / (variance + noise)) * given
-    total = weight.sum()
-    return belief, (weight / total if total > 0.0 else np.zeros_like(weight))
+    return float(inside / (ndtr((1.0 - mean) / sd) - ndtr(-mean / sd)))

@@ -52,7 +52,10 @@ class Sighting(Message):
 
     anchor: Anchor
     new: bool = Field(description="the anchor was made for this detection")
-    support: Anchor | None = Field(default=None, description="of a new anchor: what it stands on; null: the floor")
+    support: Anchor | None = Field(
+        default=None,
+        description="of a new anchor, and of one that stood nowhere known: what it stands on; null: the floor",
+    )
     camera_T_object: Pose2 = Field(description="in the base frame as the camera had it, error included")
     covariance: Upper3x3 = Field(description="of the sighting alone over (x, y, theta), object frame")
     z: float
@@ -100,6 +103,18 @@ class PickFailed(Message):
 
     kind: Literal["pick_failed"] = "pick_failed"
     anchor: Anchor
+
+
+class Lost(Message):
+    """A hand that was believed to hold an object is empty: it slipped, or somebody took it; sds are of where it is."""
+
+    kind: Literal["lost"] = "lost"
+    hand: Hand
+    anchor: Anchor
+    base_T_tool: Pose4 = Field(description="where the hand was found empty")
+    sd_m: float
+    sd_rad: float
+    sd_z_m: float
 
 
 class Placed(Message):
@@ -150,7 +165,7 @@ class Consolidated(Message):
 
 
 Event = Annotated[
-    Began | Posed | Moved | Looked | Picked | PickFailed | Placed | Weighed | Merged | Split | Consolidated,
+    Began | Posed | Moved | Looked | Picked | PickFailed | Lost | Placed | Weighed | Merged | Split | Consolidated,
     Field(discriminator="kind"),
 ]
 EVENT: TypeAdapter[Event] = TypeAdapter(Event, config=ConfigDict(defer_build=True))

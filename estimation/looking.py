@@ -97,7 +97,9 @@ class Look:
 
     def _measured(self, detection: Detection, expected: Expected) -> Measured:
         measured = Measured(flat(detection.base_T_object), symmetric(detection.covariance))
-        return with_heading_near(measured, expected.base_T_object[2], self._tracks.kind(expected.anchor))
+        kind, seen_as = self._tracks.kind(expected.anchor), self._tracks.seen_as(detection)
+        unknown = self._config.unknown_heading_sd_rad
+        return with_heading_near(measured, expected.base_T_object[2], kind, seen_as, unknown)
 
     def _match(self, detection: Detection, expected: Expected) -> Match:
         return match(expected.base_T_object, expected.covariance, self._measured(detection, expected))
@@ -178,9 +180,10 @@ class Look:
     def _known(self, detection: Detection, expected: Expected, m: Match) -> Sighting:
         log_odds = self._log_likelihood(detection, expected, m) - self._unmatched(detection)
         log_odds += math.log(self._noise.found)
-        return self._sighting(
-            detection, self._measured(detection, expected), expected.anchor, False, None, math.exp(log_odds)
-        )
+        lost = self._tracks[expected.anchor].support is None and not self._table(detection)
+        support = self._support_under(detection) if lost else None
+        measured = self._measured(detection, expected)
+        return self._sighting(detection, measured, expected.anchor, False, support, math.exp(log_odds))
 
     def _is_beside_all(self, detection: Detection) -> bool:
         """Return whether a detection that is of no anchor can be of an object not met yet.

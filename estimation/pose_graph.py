@@ -26,6 +26,7 @@ from skolem.estimation.events import (
     Consolidated,
     Event,
     Looked,
+    Lost,
     Merged,
     Moved,
     Picked,
@@ -142,7 +143,7 @@ class PoseGraph:
                 self._pick(event)
             case PickFailed():
                 self._loosen(event.anchor, self._config.pushed_sd_m, self._config.pushed_sd_rad)
-            case Placed():
+            case Placed() | Lost():
                 self._place(event)
             case Weighed():
                 self._key(event.anchor)
@@ -212,7 +213,8 @@ class PoseGraph:
         factor = gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(), diagonal(sd_m, sd_rad))
         self._update([factor], {after: self._at(before)})
 
-    def _place(self, event: Placed) -> None:
+    def _place(self, event: Placed | Lost) -> None:
+        """Let an object be where a hand released it, or anywhere around where the hand was found empty."""
         grasp = self._now.grasps.pop(event.hand)
         after, base_T_tool = self._next_epoch(grasp.anchor), flat(event.base_T_tool)
         sds = (self._sd(event.sd_m), self._sd(event.sd_rad))

@@ -13,6 +13,7 @@ from skolem.estimation.events import (
     Began,
     Event,
     Looked,
+    Lost,
     Merged,
     Missed,
     Picked,
@@ -143,6 +144,10 @@ class Tracks:
                 self._tracks[event.anchor] = self._evidence(event.anchor, odds)
             case Placed():
                 self._tracks[event.anchor] = self._placed(event)
+            case Lost():
+                z, variance = event.base_T_tool[2], event.sd_z_m**2
+                lost = replace(self[event.anchor], hand=None, support=None, z=z, z_variance=variance)
+                self._tracks[event.anchor] = lost
             case Weighed():
                 track = self[event.anchor]
                 self._tracks[event.anchor] = replace(track, weight=track.weight.updated(event.kg))
@@ -266,6 +271,7 @@ class Tracks:
         gain = track.z_variance / (track.z_variance + sighting.z_sd_m**2)
         return replace(
             track,
+            support=track.support or sighting.support,
             types=track.types.updated(sighting.detection.type_log_likelihood),
             colour=track.colour.updated(sighting.detection.rgb),
             z=track.z + gain * (sighting.z - track.z),

@@ -109,9 +109,10 @@ class PyBulletWorld:
         )
 
     def disturb(self, object_id: str, world_T_object: Pose4) -> None:
-        """Move an object from outside, unseen by the robot; an object in a hand is taken out."""
+        """Move an object from outside, unseen by the robot; an object in a hand is taken out and the fingers close."""
         for hand in [hand for hand, grasp in self._world.grasps.items() if grasp.id == object_id]:
             detach(self._world, hand)
+            self._world.robot.set_gripper(hand, 0.0)
         self._world.put(object_id, world_T_object)
 
     def execute(self, action: Action) -> tuple[ActionResult, Observation]:
@@ -141,7 +142,12 @@ class PyBulletWorld:
             robot=self.robot_state(),
             base_T_tool=base_T_tool,
             gripper_gap_m=self._world.robot.gripper_gap(hand) if hand else None,
+            gaps_m=self._gaps(),
         )
+
+    def _gaps(self) -> dict[Hand, float]:
+        """Return how far apart the fingers of each hand are."""
+        return {hand: self._world.robot.gripper_gap(hand) for hand in HANDS}
 
     # ------------------------------------------------------------ driving
 
@@ -155,6 +161,7 @@ class PyBulletWorld:
             status="done" if driven.arrived else "stopped_early",
             robot=self.robot_state(),
             odometry=driven.odometry,
+            gaps_m=self._gaps(),
         )
 
     # ------------------------------------------------------------ seeing
@@ -218,7 +225,7 @@ class PyBulletWorld:
             executor.motors.open_fingers(hand)
             executor.move_in_contact(hand, [*reversed(command.reach), *command.approach[-1:]])
             executor.move_home(hand, [*reversed(command.approach), start])
-        return result.model_copy(update={"robot": self.robot_state()})
+        return result.model_copy(update={"robot": self.robot_state(), "gaps_m": self._gaps()})
 
     def _place(self, step: int, command: Place) -> ActionResult:
         """Put down the held object, lowering it to the first contact; an empty hand opens and the action fails."""
@@ -228,6 +235,7 @@ class PyBulletWorld:
         holds = hand in self._world.grasps
         executor.move_in_contact(hand, command.lower, until=lambda: holds and held_touches(self._world, hand))
         base_T_tool = self._world.base_T_tool(hand)
+        before = self._gaps()
         if holds:
             detach(self._world, hand)
         executor.motors.open_fingers(hand)
@@ -235,7 +243,7 @@ class PyBulletWorld:
         executor.motors.run(FALL_TICKS)
         executor.move_in_contact(hand, command.retreat)
         executor.move_home(hand, command.carry)
-        return result.model_copy(update={"robot": self.robot_state()})
+        return result.model_copy(update={"robot": self.robot_state(), "gaps_m": before})
 
     # ------------------------------------------------------------ weighing
 

@@ -35,6 +35,7 @@ from skolem.sim.truth.bodies import TrueBody
 from skolem.sim.truth.noise import Extrinsics, Purpose, extrinsic_error, odometry_error, stream, wrist_error
 from skolem.traces.messages import (
     GRAVITY,
+    HANDS,
     SENSING_HAND,
     TICKS_PER_SECOND,
     Action,
@@ -105,6 +106,7 @@ class SymbolicWorld:
         self._robot = RobotState(torso=torso, right_arm=CARRY["right"], left_arm=CARRY["left"])
         self._seed = seed
         self._held: dict[Hand, tuple[str, Pose4]] = {}  # the object in each hand and tool_T_object
+        self._gaps: dict[Hand, float] = dict.fromkeys(HANDS, OPEN_GAP_M)  # between the fingers
         self._ticks = 0
 
     @property
@@ -139,7 +141,8 @@ class SymbolicWorld:
         return TrueState(step=step, world_T_base=self._world_T_base, objects=objects, sha256=digest)
 
     def disturb(self, object_id: str, world_T_object: Pose4) -> None:
-        """Move an object from outside; an object in a hand is taken out."""
+        """Move an object from outside; an object in a hand is taken out and the fingers close."""
+        self._gaps |= {hand: 0.0 for hand, held in self._held.items() if held[0] == object_id}
         self._held = {hand: held for hand, held in self._held.items() if held[0] != object_id}
         self._put(object_id, world_T_object)
 
@@ -167,7 +170,12 @@ class SymbolicWorld:
         self, step: int, done: bool = True, tool: Pose4 | None = None, gap: float | None = None
     ) -> ActionResult:
         return ActionResult(
-            step=step, status="done" if done else "failed", robot=self._robot, base_T_tool=tool, gripper_gap_m=gap
+            step=step,
+            status="done" if done else "failed",
+            robot=self._robot,
+            base_T_tool=tool,
+            gripper_gap_m=gap,
+            gaps_m=self._gaps,
         )
 
     def _move(self, step: int, command: MoveBase) -> ActionResult:
@@ -215,6 +223,8 @@ class SymbolicWorld:
             slip = self._slip(step, GRASP_STREAM, self._noise.grasp_sd_m, self._noise.grasp_sd_rad)
             self._held[hand] = (name, compose4(tool_T_object, slip))
             gap = min(self._types[body.type].size_m[:2])
+        if hand in self._held:
+            self._gaps = self._gaps | {hand: min(self._types[self._bodies[self._held[hand][0]].type].size_m[:2])}
         self._with_arm(hand, command.carry[-1])
         return self._result(step, name is not None, base_T_tool(hand, self._robot.torso, joints), gap)
 
@@ -262,7 +272,9 @@ class SymbolicWorld:
             self._put(name, released)
             self._put(name, (*released[:2], self._height_below(self._bodies[name]), released[3]))
         self._with_arm(hand, command.carry[-1])
-        return self._result(step, held is not None, base_T_tool(hand, self._robot.torso, joints), OPEN_GAP_M)
+        result = self._result(step, held is not None, base_T_tool(hand, self._robot.torso, joints), OPEN_GAP_M)
+        self._gaps = self._gaps | {hand: OPEN_GAP_M}
+        return result
 
     def _support(self, body: TrueBody) -> str | None:
         """Return the table whose top is under an object's centre, or None: the floor."""

@@ -71,3 +71,7 @@ class ActionResult(Message):
     odometry: Pose2 | None = Field(default=None, description="start_T_end of the base by its wheels; null: not moved")
     base_T_tool: Pose4 | None = Field(default=None, description="hand frame when the fingers closed or opened")
     gripper_gap_m: float | None = Field(default=None, description="between the fingers after closing or opening")
+    gaps_m: dict[Hand, float] = Field(
+        default={},
+        description="between the fingers of each hand at the end of the action; of a place, before they opened",
+    )
