@@ -14,11 +14,24 @@ from skolem.estimation.acting import events_of
 from skolem.estimation.checks import check_prior
 from skolem.estimation.colour import ColourBelief
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.events import Began, Consolidated, Event, Looked, Merged, Moved, Split, Weighed, canonical_order
+from skolem.estimation.events import (
+    Began,
+    Consolidated,
+    Event,
+    Looked,
+    Lost,
+    Merged,
+    Moved,
+    Place,
+    Split,
+    Weighed,
+    canonical_order,
+)
 from skolem.estimation.extrinsics import expected_look
 from skolem.estimation.fluents import disc, prob_in_polygon, rectangle
 from skolem.estimation.identity import Identity
 from skolem.estimation.looking import Look
+from skolem.estimation.places import believed_places, sought
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
 from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, Vector, turned, upper
@@ -104,6 +117,8 @@ class Belief:
         grasps = {hand: (anchor, self._graph.tool_T_object(hand)) for hand in HANDS if (anchor := self.held(hand))}
         for event in events_of(action, result, grasps, self._tracks.prior.noise, self._config):
             self.apply(event)
+            if isinstance(event, Lost):
+                self._seek(event.anchor, believed_places(self._graph, self._tracks, event.anchor, self._config))
         if observation.kind == "look":
             self._look(observation)
         if observation.wrench is not None and (anchor := self.held(observation.wrench.hand)):
@@ -115,10 +130,18 @@ class Belief:
         identity = Identity(self._graph, self._tracks, self._config)
         for split in tuple(identity.splits(canonical_order(observation.detections))):
             self.apply(split)
-        look = Look(observation, self._graph, self._tracks, self._regions, self._config).event()
+        picture = Look(observation, self._graph, self._tracks, self._regions, self._config)
+        look = picture.event()
         self.apply(look)
+        for anchor, places in picture.sought().items():
+            self._seek(anchor, places)
         for merged in tuple(identity.merges(look)):
             self.apply(merged)
+
+    def _seek(self, anchor: str, places: tuple[Place, ...]) -> None:
+        """Believe an object to be where most of the weight of its places is, if it can be at one at all."""
+        if places:
+            self.apply(sought(places, self._graph, self._tracks, anchor, self._config))
 
     def _consolidate(self) -> None:
         """Sum up the past once it is long."""
@@ -153,7 +176,7 @@ class Belief:
         return len(self._events)
 
     def anchors(self) -> tuple[str, ...]:
-        """Every anchor believed to exist, in order of introduction."""
+        """Every anchor that may exist, in order of introduction."""
         return self._tracks.listed()
 
     def prob_exists(self, anchor: str) -> float:
@@ -296,13 +319,13 @@ class Belief:
         track = self._tracks[anchor]
         log_kg, variance = _weight_matched(track.weight)
         hsv, variances = _colour_matched(track.colour)
-        stranger = self._tracks.stranger()
+        stranger, listed = self._tracks.stranger(), self._tracks.listed()
         return ObjectBelief(
             exists=track.exists,
             type=track.types.probabilities,
             world_T_object=raised(joint.world_T_body[index], self._z(track)),
             covariance=upper(joint.block(index)),
-            support=track.support,
+            support=track.support if track.support in listed else None,
             in_hand=track.hand,
             tool_T_object=self._grasp(track),
             colour=messages.HsvBelief(mean=hsv, variance=variances),

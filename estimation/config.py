@@ -8,7 +8,8 @@ class EstimatorConfig:
     """Assumptions of the estimator.
 
     Attributes:
-        listed: Existence from which an anchor is listed: more likely real than not.
+        listed: Existence from which an anchor is listed: what is less likely is not worth a look.
+        likely: Existence from which an anchor takes room, carries things and explains what a picture shows.
         most_sure: Existence of an object the robot is told of, and the most it believes of any: someone may have taken
             it. From here two to three misses in plain view unlist it, where the picture shows nothing in its place.
         retired: Existence below which an anchor is no longer matched with detections.
@@ -21,6 +22,11 @@ class EstimatorConfig:
         seen_share: Share of an object's outline that must be in sight for the detector to report it.
         depth_margin_m: Something nearer than an object's front by more than this hides it; camera and fit errors.
         sight_m: Distance from the camera beyond which objects are not detected.
+        sought_sd_m: Sd of a place, largest axis, from which silence moves it to where the look did not reach.
+        place_step_m: Distance between the places that are then weighed against one another: about a thing's width.
+        look_width_m: A look at a place shows what is so far beside it: a third of the picture at a metre's distance.
+        unshown: P(silence | an object is in sight and the picture shows nothing solid in its place), next to that of
+            silence about one that it shows: edges of depth images, errors of the camera's calibration.
         voxel_m: Edge of the voxels in which regions are searched: about half of the thinnest thing that is looked for.
         voxel_margin_m: A reading this much before the centre of a voxel still shows it empty; the depth's error.
         hit_margin_m: A reading nearer than this to a support or to an object that is believed to be there has hit that,
@@ -67,7 +73,8 @@ class EstimatorConfig:
             conditioned; a tenth of a millimetre is below what any sensor resolves.
     """
 
-    listed: float = 0.5
+    listed: float = 0.05
+    likely: float = 0.5
     most_sure: float = 0.99
     retired: float = 1e-3
     gate: float = 16.266
@@ -78,6 +85,10 @@ class EstimatorConfig:
     seen_share: float = 0.75
     depth_margin_m: float = 0.03
     sight_m: float = 2.4
+    sought_sd_m: float = 0.1
+    place_step_m: float = 0.08
+    look_width_m: float = 0.2
+    unshown: float = 0.1
     voxel_m: float = 0.03
     voxel_margin_m: float = 0.01
     hit_margin_m: float = 0.03

@@ -23,6 +23,8 @@ from skolem.traces.messages import (
     Upper3x3,
 )
 
+Place = tuple[Anchor, float, float, float]  # a support, x and y on its top, and a weight
+
 
 class Began(Message):
     """The robot was told its prior belief."""
@@ -86,6 +88,17 @@ class Looked(Message):
     sightings: tuple[Sighting, ...]
     missed: tuple[Missed, ...]
     view: DepthView | None = Field(default=None, description="which space was seen through")
+
+
+class Sought(Message):
+    """An object of whose place little is known was not seen where it was looked for; this is where it may be now."""
+
+    kind: Literal["sought"] = "sought"
+    anchor: Anchor
+    base_T_object: Pose2 = Field(description="where to look for it next")
+    covariance: Upper3x3 = Field(description="spread about that over (x, y, theta), object frame")
+    support: Anchor = Field(description="what it would rest on there")
+    places: tuple[Place, ...]
 
 
 class Picked(Message):
@@ -165,7 +178,19 @@ class Consolidated(Message):
 
 
 Event = Annotated[
-    Began | Posed | Moved | Looked | Picked | PickFailed | Lost | Placed | Weighed | Merged | Split | Consolidated,
+    Began
+    | Posed
+    | Moved
+    | Looked
+    | Sought
+    | Picked
+    | PickFailed
+    | Lost
+    | Placed
+    | Weighed
+    | Merged
+    | Split
+    | Consolidated,
     Field(discriminator="kind"),
 ]
 EVENT: TypeAdapter[Event] = TypeAdapter(Event, config=ConfigDict(defer_build=True))

@@ -9,11 +9,12 @@ from skolem.estimation.association import MAX_LOG_ODDS, Match, Measured, assign,
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.coverage import Array, Mask
 from skolem.estimation.depth_image import DepthImage
-from skolem.estimation.events import Looked, Missed, Sighting, canonical_order
+from skolem.estimation.events import Looked, Missed, Place, Sighting, canonical_order
 from skolem.estimation.extrinsics import camera_covariance, own_covariance, sighting_z_sd
 from skolem.estimation.fluents import prob_in_polygon, rectangle
 from skolem.estimation.identity import overlap
 from skolem.estimation.joint_association import Pair, Scene, assign_jointly, is_ambiguous
+from skolem.estimation.places import believed_places, is_sought, silence
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, symmetric, turned, upper
@@ -49,6 +50,7 @@ class Look:
         self._expected = tuple(Expected(a, *graph.relative(BASE, a)) for a in tracks.detectable())
         self._can_be_new = [self._is_beside_all(detection) for detection in self._detections]
         self._gates = [config.gate if new else config.sure_gate for new in self._can_be_new]
+        self._sought: dict[str, tuple[Place, ...]] = {}
         self._image = None if self._view is None else DepthImage.of(self._view)
         self._camera = np.array([0.0, 0.0, config.typical_drop_m]) if self._image is None else self._image.origin
         heights = [self._height(detection) for detection in self._detections]
@@ -180,7 +182,8 @@ class Look:
     def _known(self, detection: Detection, expected: Expected, m: Match) -> Sighting:
         log_odds = self._log_likelihood(detection, expected, m) - self._unmatched(detection)
         log_odds += math.log(self._noise.found)
-        lost = self._tracks[expected.anchor].support is None and not self._table(detection)
+        track = self._tracks[expected.anchor]
+        lost = (track.support is None or bool(track.places)) and not self._table(detection)
         support = self._support_under(detection) if lost else None
         measured = self._measured(detection, expected)
         return self._sighting(detection, measured, expected.anchor, False, support, math.exp(log_odds))
@@ -244,7 +247,7 @@ class Look:
         pose, spread = flat(detection.base_T_object), symmetric(detection.covariance)
         z, z_variance = detection.base_T_object[2], self._z_sd(detection) ** 2
         best, best_probability = None, LIKELY
-        for name in self._tracks.listed():
+        for name in self._tracks.likely():
             kind = self._tracks.kind(name)
             if kind.shape != "table" or not self._tracks.rests_at(z, z_variance, name):
                 continue
@@ -262,12 +265,37 @@ class Look:
             return Missed(anchor=expected.anchor, p_reported=0.0)
         if any(self._stands_in(s, expected) for s in sightings):
             return Missed(anchor=expected.anchor, p_reported=self._noise.found)
+        if is_sought(self._graph, self._tracks, expected.anchor, self._config):
+            places = believed_places(self._graph, self._tracks, expected.anchor, self._config)
+            if places:
+                return self._silent(expected.anchor, places, sightings, self._image)
         there = (expected.base_T_object, expected.covariance, track.z, kind, self._config)
         visible, solid = prob_visible_and_solid(
             self._image, *there, lambda ends: self._explained(ends, expected.anchor, sightings)
         )
         p_reported = min(1.0, visible * self._noise.found)
         return Missed(anchor=expected.anchor, p_reported=p_reported, solid=min(1.0, solid))
+
+    def _silent(
+        self, anchor: str, places: tuple[Place, ...], sightings: tuple[Sighting, ...], image: DepthImage
+    ) -> Missed:
+        """Return what the look says of an object that may stand at many places, and remember where it then may be."""
+        said = silence(
+            places,
+            image,
+            self._graph,
+            self._tracks,
+            anchor,
+            self._config,
+            lambda ends: self._explained(ends, anchor, sightings),
+        )
+        if said.p_reported > 0.0:
+            self._sought[anchor] = said.places
+        return Missed(anchor=anchor, p_reported=said.p_reported, solid=said.solid)
+
+    def sought(self) -> dict[str, tuple[Place, ...]]:
+        """Return where the objects may be that `event` found were not seen although little is known of their places."""
+        return dict(self._sought)
 
     def _stands_in(self, seen: Sighting, missed: Expected) -> bool:
         """Return whether a known thing was seen in the place of a missed one, which then is not just hidden by it."""
@@ -281,7 +309,7 @@ class Look:
         """Return which readings, shape (n, 3), base frame, have hit an arm, something seen, or another thing known."""
         explained = near_arms(ends, self._graph.robot, self._config.arm_m)
         seen = {sighting.anchor: sighting for sighting in sightings}
-        known = [name for name in self._tracks.listed() if name not in seen and name != missed]
+        known = [name for name in self._tracks.likely() if name not in seen and name != missed]
         others = [(flat(s.detection.base_T_object), self._tracks.seen_as(s.detection)) for s in sightings]
         others += [(self._graph.mean(BASE, a), self._tracks.kind(a)) for a in known if not self._tracks[a].hand]
         for place, kind in others:

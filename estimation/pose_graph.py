@@ -33,6 +33,7 @@ from skolem.estimation.events import (
     PickFailed,
     Placed,
     Posed,
+    Sought,
     Split,
     Weighed,
 )
@@ -145,6 +146,8 @@ class PoseGraph:
                 self._loosen(event.anchor, self._config.pushed_sd_m, self._config.pushed_sd_rad)
             case Placed() | Lost():
                 self._place(event)
+            case Sought():
+                self._seek(event)
             case Weighed():
                 self._key(event.anchor)
             case Merged():
@@ -220,6 +223,13 @@ class PoseGraph:
         sds = (self._sd(event.sd_m), self._sd(event.sd_rad))
         start = compose(self._at(self._now.base), compose(base_T_tool, self._at(grasp.key)))
         self._update([grasp_factor(self._now.base, after, grasp.key, base_T_tool, sds)], {after: start})
+
+    def _seek(self, event: Sought) -> None:
+        """Let an object be anywhere around a place."""
+        self._key(event.anchor)
+        after = self._next_epoch(event.anchor)
+        factor = self._between(self._now.base, after, event.base_T_object, symmetric(event.covariance))
+        self._update([factor], {after: compose(self._at(self._now.base), event.base_T_object)})
 
     def _merge(self, event: Merged) -> None:
         into, other = self._key(event.anchor), self._key(event.other)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.coverage import Array, Coverage, Grid, Mask
 from skolem.estimation.depth_image import DepthImage
-from skolem.estimation.events import Began, Event, Looked
+from skolem.estimation.events import Began, Event, Looked, Lost
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import Unexplained, near_arms
@@ -64,6 +64,8 @@ class Regions:
             off_sd = math.hypot(noise.extrinsics_sd_m, noise.extrinsics_sd_rad * lever)
             self._hit_margin_m = config.hit_margin_m + config.hit_sds * off_sd
             self._regions = {told.anchor: self._unseen(told, tracks) for told in event.prior.regions}
+        elif isinstance(event, Lost):  # it may have been put where nothing was when one looked
+            self._regions = {name: self._unseen(region.told, tracks) for name, region in self._regions.items()}
         elif isinstance(event, Looked) and event.view is not None:
             image = DepthImage.of(event.view)
             sighted = frozenset(sighting.anchor for sighting in event.sightings)
@@ -83,7 +85,7 @@ class Regions:
         """Return a region after a look; its support counts as being where it is on average."""
         support, grid, config = region.told.support, region.coverage.grid, self._config
         base_T_top = raised(graph.mean(BASE, support), tracks.top(support))
-        believed = [s for s in self._standing(support, graph, tracks) if tracks[s.anchor].exists >= config.listed]
+        believed = [s for s in self._standing(support, graph, tracks) if tracks[s.anchor].exists >= config.likely]
         known = [s for s in believed if s.anchor in sighted or not s.kind.graspable]
         asked = np.flatnonzero(~region.coverage.known | (region.unexplained.hits > 0))
         beyond = np.full(len(grid.centres), -np.inf)

@@ -18,8 +18,10 @@ from skolem.estimation.events import (
     Missed,
     Picked,
     PickFailed,
+    Place,
     Placed,
     Sighting,
+    Sought,
     Split,
     Weighed,
 )
@@ -42,6 +44,7 @@ class Track:
         z_variance: Square metres.
         support: What it rests on; None: the floor, unknown, or held.
         hand: Which hand holds it.
+        places: Where it may stand while little is known of that, each with its weight; nothing: as the Gaussian says.
         otherwise: P(something else stands where it should | it does not exist).
     """
 
@@ -54,6 +57,7 @@ class Track:
     support: str | None
     otherwise: float
     hand: Hand | None = None
+    places: tuple[Place, ...] = ()
 
 
 class Tracks:
@@ -96,8 +100,13 @@ class Tracks:
         return abs(z - self.top(support)) <= self._config.height_tolerance_m + 2.0 * math.sqrt(variance)
 
     def listed(self) -> tuple[str, ...]:
-        """Return the anchors that are believed to exist."""
-        return tuple(name for name, track in self._tracks.items() if track.exists >= self._config.listed)
+        """Return the anchors that are worth a thought: all but those that hardly exist; what is in a hand is."""
+        least = self._config.listed
+        return tuple(name for name, track in self._tracks.items() if track.exists >= least or track.hand)
+
+    def likely(self) -> tuple[str, ...]:
+        """Return the anchors that are believed to exist: more likely real than not."""
+        return tuple(name for name, track in self._tracks.items() if track.exists >= self._config.likely)
 
     def possible(self) -> tuple[str, ...]:
         """Return the anchors that have not been given up."""
@@ -144,6 +153,10 @@ class Tracks:
                 self._tracks[event.anchor] = self._evidence(event.anchor, odds)
             case Placed():
                 self._tracks[event.anchor] = self._placed(event)
+            case Sought():
+                z, variance = self.top(event.support), self._config.height_sd_m**2
+                moved = replace(self[event.anchor], z=z, z_variance=variance, support=event.support)
+                self._tracks[event.anchor] = replace(moved, places=event.places)
             case Lost():
                 z, variance = event.base_T_tool[2], event.sd_z_m**2
                 lost = replace(self[event.anchor], hand=None, support=None, z=z, z_variance=variance)
@@ -173,6 +186,7 @@ class Tracks:
             z=track.z + gain * (other.z - track.z),
             z_variance=(1.0 - gain) * track.z_variance,
             support=track.support or other.support,
+            places=(),
         )
         self._tracks |= {event.anchor: merged, event.other: replace(other, exists=0.0)}
         odds = other.exists / (1.0 - other.exists)
@@ -271,7 +285,8 @@ class Tracks:
         gain = track.z_variance / (track.z_variance + sighting.z_sd_m**2)
         return replace(
             track,
-            support=track.support or sighting.support,
+            support=sighting.support or track.support,
+            places=(),
             types=track.types.updated(sighting.detection.type_log_likelihood),
             colour=track.colour.updated(sighting.detection.rgb),
             z=track.z + gain * (sighting.z - track.z),

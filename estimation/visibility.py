@@ -64,7 +64,7 @@ def prob_visible_and_solid(
         explained: Tells which readings, given by where they ended, shape (n, 3), base frame, have hit something else.
     """
     places = list(_in_sight(image, base_T_object, covariance, z, kind, config))
-    solid = (weight for place, weight in places if _is_solid(image, place, kind, config, explained))
+    solid = (weight for place, weight in places if is_solid(image, place, kind, config, explained))
     return _share(weight for _, weight in places), _share(solid)
 
 
@@ -95,7 +95,7 @@ def _in_sight(
 ) -> Iterator[tuple[Array, int]]:
     """Yield the places, with their weights, at which an object would have been reported."""
     for place, weight in _places(base_T_object, covariance, z):
-        if _is_visible(image, place, kind, config):
+        if is_visible(image, place, kind, config):
             yield place, weight
 
 
@@ -112,7 +112,7 @@ def _places(base_T_object: Pose2, covariance: Array, z: float) -> Iterator[tuple
             yield np.array([*(np.array(base_T_object[:2]) + steps @ (i, j)), z]), wi * wj
 
 
-def _is_visible(image: DepthImage, place: Array, kind: ObjectType, config: EstimatorConfig) -> bool:
+def is_visible(image: DepthImage, place: Array, kind: ObjectType, config: EstimatorConfig) -> bool:
     """Return whether an object at a place (its base, shape (3,), base frame) would have been reported."""
     radius = outline_radius(kind)
     corners = _outline(place, image.origin[:2], radius, kind.size_m[2], *ENDS)
@@ -125,7 +125,7 @@ def _is_visible(image: DepthImage, place: Array, kind: ObjectType, config: Estim
     return bool(known.mean() >= MIN_KNOWN and through.sum() >= config.seen_share * known.sum())
 
 
-def _is_solid(
+def is_solid(
     image: DepthImage, place: Array, kind: ObjectType, config: EstimatorConfig, explained: Callable[[Array], Mask]
 ) -> bool:
     """Return whether the readings towards an object at a place, its foot aside, ended on it and on nothing else."""

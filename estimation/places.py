@@ -1,0 +1,154 @@
+"""Where an object of whose place little is known may stand: on which support, and where on its top.
+
+A Gaussian cannot say "not here, so beside it". While a place is known only to some decimetres it is therefore kept as a
+weight on each of many places, too: silence takes it from those that were in sight and leaves it to the others. The
+Gaussian that everybody else knows has its mean where most of the weight is and is as wide as the weights are spread.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skolem.estimation.config import EstimatorConfig
+from skolem.estimation.depth_image import DepthImage
+from skolem.estimation.events import Place, Sought
+from skolem.estimation.pose_graph import BASE, PoseGraph
+from skolem.estimation.se2 import compose, turned, upper
+from skolem.estimation.tracks import Tracks
+from skolem.estimation.visibility import is_solid, is_visible
+from skolem.traces.messages import Pose2
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def is_sought(graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorConfig) -> bool:
+    """Return whether so little is known of where a thing to grasp is that its place is searched for."""
+    track = tracks[anchor]
+    if track.hand or not tracks.kind(anchor).graspable:
+        return False
+    if track.places:
+        return True
+    theta, covariance = graph.mean(BASE, anchor)[2], graph.relative(BASE, anchor)[1]
+    return float(np.linalg.eigvalsh(turned(covariance, theta)[:2, :2])[-1]) > config.sought_sd_m**2
+
+
+def believed_places(graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorConfig) -> tuple[Place, ...]:
+    """Return where an object may stand, by what is believed now; weights sum to 1; nothing if it is on no known top.
+
+    What rests on a support is somewhere on its top; of what rests nowhere known, each table may be the support.
+    """
+    track = tracks[anchor]
+    if track.places:
+        return track.places
+    (x, y, theta), covariance = graph.relative(BASE, anchor)
+    inverse = np.linalg.inv(turned(covariance, theta)[:2, :2])
+    found: list[tuple[str, float, float, float]] = []
+    for support in (track.support,) if track.support else _tables(tracks):
+        if tracks.kind(support).shape == "table":
+            for u, v in _top(tracks.kind(support).size_m, config.place_step_m):
+                a, b, _ = compose(graph.mean(BASE, support), (u, v, 0.0))
+                off = np.array([a - x, b - y])
+                found.append((support, u, v, float(off @ inverse @ off)))
+    if not found:
+        return ()
+    nearest = min(distance2 for *_, distance2 in found)
+    if nearest > config.gate:
+        return ()
+    return normalised([(s, u, v, math.exp(0.5 * (nearest - distance2))) for s, u, v, distance2 in found])
+
+
+def _tables(tracks: Tracks) -> Iterator[str]:
+    return (anchor for anchor in tracks.likely() if tracks.kind(anchor).shape == "table")
+
+
+def _top(size_m: tuple[float, float, float], step_m: float) -> Iterator[tuple[float, float]]:
+    """Yield places on a top, in its own frame, evenly spread."""
+    across, along = (max(1, round(size / step_m)) for size in size_m[:2])
+    for i in range(across):
+        for j in range(along):
+            yield (((i + 0.5) / across - 0.5) * size_m[0], ((j + 0.5) / along - 0.5) * size_m[1])
+
+
+def normalised(places: list[Place], least: float = 1e-5) -> tuple[Place, ...]:
+    """Return places whose weights sum to 1, without those that have next to none."""
+    total = sum(weight for *_, weight in places)
+    kept = [(s, u, v, w / total) for s, u, v, w in places if w >= least * total] if total > 0.0 else []
+    rest = sum(weight for *_, weight in kept)
+    return tuple((s, u, v, w / rest) for s, u, v, w in kept)
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """What a look that did not report an object says of where it is.
+
+    Attributes:
+        p_reported: P(the look would have reported it | it exists).
+        solid: P(it was in sight, and the picture shows something unexplained in its place).
+        places: Where it may be after the look.
+    """
+
+    p_reported: float
+    solid: float
+    places: tuple[Place, ...]
+
+
+def silence(
+    places: tuple[Place, ...],
+    image: DepthImage,
+    graph: PoseGraph,
+    tracks: Tracks,
+    anchor: str,
+    config: EstimatorConfig,
+    explained: Callable[[Array], Mask],
+) -> Silence:
+    """Return what it says that a look did not report an object that may be at some places.
+
+    Args:
+        places: Where it may be.
+        image: The picture.
+        graph: Where the supports are.
+        tracks: Their heights, the object's type, and how often things are found.
+        anchor: The object.
+        config: Reads what `is_visible` reads, and `unshown`.
+        explained: Tells which readings, by where they ended, shape (n, 3), base frame, have hit something else.
+    """
+    kind, found = tracks.kind(anchor), tracks.prior.noise.found
+    left: list[Place] = []
+    reported = solid = 0.0
+    for support, u, v, weight in places:
+        at = _at(graph, tracks, support, u, v)
+        silent = 1.0
+        if is_visible(image, at, kind, config):
+            shows = is_solid(image, at, kind, config, explained)
+            reported += weight * found
+            solid += weight * shows
+            silent = (1.0 - found) * (1.0 if shows else config.unshown)
+        left.append((support, u, v, weight * silent))
+    return Silence(min(1.0, reported), min(1.0, solid), normalised(left) or places)
+
+
+def _at(graph: PoseGraph, tracks: Tracks, support: str, u: float, v: float) -> Array:
+    """Return a place on a top, shape (3,), base frame."""
+    x, y, _ = compose(graph.mean(BASE, support), (u, v, 0.0))
+    return np.array([x, y, tracks.top(support)])
+
+
+def sought(places: tuple[Place, ...], graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorConfig) -> Sought:
+    """Return where to look for an object next: where most of the weight is within the width of a look."""
+    points = np.array([_at(graph, tracks, support, u, v)[:2] for support, u, v, _ in places])
+    weights = np.array([weight for *_, weight in places])
+    squared = ((points[:, None] - points[None]) ** 2).sum(axis=2)
+    near = np.exp(-0.5 * squared / config.look_width_m**2) @ weights
+    best = int(np.argmax(np.round(near, 9)))
+    off = points - points[best]
+    spread = np.zeros((3, 3))
+    spread[:2, :2] = (weights[:, None] * off).T @ off + np.eye(2) * config.place_step_m**2 / 12.0
+    theta, covariance = graph.mean(BASE, anchor)[2], graph.relative(BASE, anchor)[1]
+    spread = turned(spread, -theta)
+    spread[2, 2] = covariance[2, 2]
+    pose: Pose2 = (float(points[best, 0]), float(points[best, 1]), theta)
+    return Sought(anchor=anchor, base_T_object=pose, covariance=upper(spread), support=places[best][0], places=places)
