@@ -322,7 +322,7 @@ class Belief:
         track = self._tracks[anchor]
         log_kg, variance = _weight_matched(track.weight)
         hsv, variances = _colour_matched(track.colour)
-        stranger, listed = self._tracks.stranger(), self._tracks.listed()
+        arbitrary, listed = self._tracks.arbitrary(self._tracks.kind(anchor)), self._tracks.listed()
         return ObjectBelief(
             exists=track.exists,
             type=track.types.probabilities,
@@ -332,9 +332,9 @@ class Belief:
             in_hand=track.hand,
             tool_T_object=self._grasp(track),
             colour=messages.HsvBelief(mean=hsv, variance=variances),
-            colour_seen=track.colour != stranger.colour,
+            colour_seen=track.colour != arbitrary.colour,
             log_weight=(log_kg + 0.0, variance + 0.0),
-            weighed=track.weight != stranger.weight,
+            weighed=track.weight != arbitrary.weight,
         )
 
     def _z(self, track: Track) -> float:

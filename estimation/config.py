@@ -36,6 +36,8 @@ class EstimatorConfig:
         least_hits: Fewer readings in a region than this are errors at edges.
         refuted: How many times likelier a detection is of nothing than of an object if the picture shows what is behind
             its place; otherwise it may just not show that.
+        coincidence: Share of detections of nothing at whose place the picture shows something solid all the same: as
+            much of a top as things cover.
         other_solid: P(something that nothing explains stands where an object is believed to be | it does not exist).
         other_solids: Expected number of solids above a support that are of no type that is looked for: what was hit in
             a region is one of them, or one of the objects that were told to be expected there.
@@ -60,6 +62,8 @@ class EstimatorConfig:
         lost_sd_z_m: The same for its height: from the floor to a table.
         touched_sd_m: How far the base may stand from where it was believed to when an arm touched something, each axis.
         touched_sd_rad: The same for its heading.
+        bulky_kg: Median weight of what cannot be lifted, tables above all, if nothing is told of it.
+        bulky_sigma: Sd of the logarithm of that.
         pick_fails: P(a pick closes on nothing | the object exists).
         pick_deceives: P(a pick closes on something | the object does not exist).
         closed_gap_m: Gap between the fingers below which they hold nothing.
@@ -96,6 +100,7 @@ class EstimatorConfig:
     arm_m: float = 0.2
     least_hits: int = 4
     refuted: float = 100.0
+    coincidence: float = 0.05
     other_solid: float = 0.1
     other_solids: float = 0.05
     unseen_points: int = 64
@@ -118,6 +123,8 @@ class EstimatorConfig:
     lost_sd_z_m: float = 0.35
     touched_sd_m: float = 0.02
     touched_sd_rad: float = 0.02
+    bulky_kg: float = 20.0
+    bulky_sigma: float = 0.6
     pick_fails: float = 0.1
     pick_deceives: float = 0.01
     closed_gap_m: float = 0.005

@@ -20,7 +20,7 @@ from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, symmetric, turned, upper
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import near_arms
-from skolem.estimation.visibility import outline_radius, prob_visible_and_solid, shows_behind
+from skolem.estimation.visibility import is_solid, outline_radius, prob_visible_and_solid, shows_behind
 from skolem.traces.messages import Detection, NoiseModel, ObjectType, Observation, Pose2
 from skolem.traces.messages.poses import flat
 
@@ -142,12 +142,16 @@ class Look:
         """Return the expected number of detections of nothing per look, as far as this one's place looks like one.
 
         It does if the picture shows what is behind anything that could be there, whatever the detection takes it for.
+        It does not if the picture shows something solid there: a detection of nothing is rarely of where a thing is.
         """
         if self._image is None:
             return self._noise.false_per_look
         image, place, config = self._image, detection.base_T_object, self._config
-        refuted = all(shows_behind(image, place, kind, config) for kind in self._graspable)
-        return self._noise.false_per_look * (config.refuted if refuted else 1.0)
+        if all(shows_behind(image, place, kind, config) for kind in self._graspable):
+            return self._noise.false_per_look * config.refuted
+        at, kind = np.array(place[:3]), self._tracks.seen_as(detection)
+        shown = is_solid(image, at, kind, config, lambda ends: near_arms(ends, self._graph.robot, config.arm_m))
+        return self._noise.false_per_look * (config.coincidence if shown else 1.0)
 
     def _assigned(self, scores: Array, matches: list[list[Match]], unmatched: Array) -> tuple[int | None, ...]:
         """Return which detection is of which anchor: jointly where one could be of several, as it then matters."""

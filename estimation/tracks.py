@@ -27,9 +27,11 @@ from skolem.estimation.events import (
 )
 from skolem.estimation.weight import WeightBelief, WeightSensor
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import GRAVITY, Detection, Hand, ObjectType, Prior, PriorObject
+from skolem.traces.messages import GRAVITY, Detection, Hand, HsvBelief, ObjectType, Prior, PriorObject
 from skolem.traces.messages.likeliest import likeliest
 
+# Tables do not share the prior of things: nothing is known of their hue, and little of the rest.
+ANY_COLOUR = HsvBelief(mean=(0.5, 0.5, 0.5), variance=(1.0, 1.0, 1.0))
 INTRODUCED = re.compile(r"_o(\d+)_")  # names that the robot gives, or could have given
 
 
@@ -176,7 +178,8 @@ class Tracks:
 
     def _merge(self, event: Merged) -> None:
         """Give the first anchor what is known of the other, beyond what is of any, and give the other up."""
-        track, other, stranger = self[event.anchor], self[event.other], self.stranger()
+        track, other = self[event.anchor], self[event.other]
+        stranger = self.arbitrary(self.kind(event.anchor))
         gain = track.z_variance / (track.z_variance + other.z_variance)
         merged = replace(
             track,
@@ -216,12 +219,13 @@ class Tracks:
         return replace(track, exists=min(exists, self._config.most_sure), otherwise=track.otherwise / without)
 
     def _told(self, item: PriorObject) -> Track:
-        colour = item.colour or self.prior.colour
+        arbitrary = self.arbitrary(self.prior.types[likeliest(item.type)])
+        weight = arbitrary.weight
         return self._track(
             exists=self._config.most_sure,
             types=item.type,
-            colour=ColourBelief.of(colour, self._colour_sensor()),
-            log_weight=item.log_weight or self.prior.log_weight,
+            colour=ColourBelief.of(item.colour, self._colour_sensor()) if item.colour else arbitrary.colour,
+            log_weight=item.log_weight or (weight.mean, weight.variance),
             z=item.world_T_object[2],
             support=item.support,
         )
@@ -237,12 +241,21 @@ class Tracks:
             support=None,
         )
 
+    def arbitrary(self, kind: ObjectType) -> Track:
+        """Return the belief on an object of which nothing is known but that it is, or is not, one that can be lifted."""
+        stranger = self.stranger()
+        if kind.graspable:
+            return stranger
+        weight = WeightBelief(math.log(self._config.bulky_kg), self._config.bulky_sigma**2, stranger.weight.sensor)
+        return replace(stranger, colour=ColourBelief.of(ANY_COLOUR, self._colour_sensor()), weight=weight)
+
     def _new(self, sighting: Sighting) -> Track:
         """Return the track of an object first seen: real or a false detection, otherwise as any object may be.
 
         What was seen as a table is of one of the types of tables; an arbitrary object is none.
         """
-        support, stranger, seen_as = sighting.support, self.stranger(), sighting.detection.type_log_likelihood
+        support, seen_as = sighting.support, sighting.detection.type_log_likelihood
+        stranger = self.arbitrary(self.seen_as(sighting.detection))
         types = stranger.types
         if not any(self.prior.types[name].graspable for name in seen_as):
             types = replace(types, probabilities={name: 1.0 / len(seen_as) for name in sorted(seen_as)})
