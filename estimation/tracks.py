@@ -242,7 +242,7 @@ class Tracks:
         )
 
     def arbitrary(self, kind: ObjectType) -> Track:
-        """Return the belief on an object of which nothing is known but that it is, or is not, one that can be lifted."""
+        """Return the belief on an object of which nothing is known but whether it is one that can be lifted."""
         stranger = self.stranger()
         if kind.graspable:
             return stranger

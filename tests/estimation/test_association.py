@@ -38,10 +38,17 @@ def test_squared_distances_of_true_pairs_follow_chi_square() -> None:
     ("kind", "heading"), [(CAN, 2.0), (BOX, 0.2 + math.pi), (SQUARE, 0.2 + math.pi / 2)], ids=["can", "box", "square"]
 )
 def test_heading_is_read_as_the_nearest_that_looks_alike(kind: ObjectType, heading: float) -> None:
-    seen = with_heading_near(Measured((1.0, 2.0, 0.2), COVARIANCE), 2.0 if kind is not BOX else 3.0, kind)
+    seen = with_heading_near(Measured((1.0, 2.0, 0.2), COVARIANCE), 2.0 if kind is not BOX else 3.0, kind, kind, 1.8)
     assert seen.base_T_object[:2] == pytest.approx((1.0, 2.0))
     assert math.remainder(seen.base_T_object[2] - heading, math.tau) == pytest.approx(0.0, abs=1e-12)
     assert turned(seen.covariance, seen.base_T_object[2]) == pytest.approx(turned(COVARIANCE, 0.2))
+
+
+@pytest.mark.parametrize("believed", [CAN, SQUARE])
+def test_heading_of_what_is_believed_to_be_of_another_type_is_not_measured(believed: ObjectType) -> None:
+    seen = with_heading_near(Measured((1.0, 2.0, 0.2), COVARIANCE), 2.0, believed, BOX, 1.8)
+    assert seen.covariance[2, 2] == pytest.approx(COVARIANCE[2, 2] + 1.8**2)
+    assert np.linalg.eigvalsh(seen.covariance)[0] > 0.0
 
 
 def test_assignment_maximises_the_whole_look_not_each_detection() -> None:

@@ -218,11 +218,19 @@ def test_two_hundred_looks_at_five_objects_leave_five_anchors() -> None:
 # ---------------------------------------------------------------- existence
 
 
-def test_one_detection_of_something_new_is_not_yet_an_object() -> None:
+def test_detection_is_believed_where_the_picture_shows_something_and_not_where_it_shows_the_table() -> None:
+    shown, refuted = Robot(prior(cans={})), Robot(prior(cans={}))
+    beyond_the_arms = (1.2, 0.0, 0.0)
+    shown.look([detection(beyond_the_arms)], depth_view([beyond_the_arms]))
+    refuted.look([detection(beyond_the_arms)], depth_view())
+    assert shown.belief.prob_exists("_o1_") == pytest.approx(0.05 / (0.05 + 0.2 * EstimatorConfig().coincidence))
+    assert refuted.belief.prob_exists("_o1_") < 0.01
+    assert refuted.belief.anchors() == ("table1",)
+
+
+def test_something_new_that_is_seen_again_is_an_object() -> None:
     robot = Robot(prior(cans={}))
     robot.look([detection((0.9, 0.1, 0.0))], depth_view([(0.9, 0.1, 0.0)]))
-    assert robot.belief.anchors() == ("table1",)
-    assert robot.belief.prob_exists("_o1_") == pytest.approx(0.2)
     robot.look([detection((0.905, 0.1, 0.0))], depth_view([(0.9, 0.1, 0.0)]))
     assert robot.belief.anchors() == ("table1", "_o1_")
     assert robot.belief.prob_on("_o1_", "table1") > 0.95
@@ -265,8 +273,11 @@ def test_object_moved_behind_the_robots_back_is_lost_there_and_found_elsewhere()
         sees_all(robot, moved)
         misses += 1
     assert misses in (2, 3)
-    assert robot.belief.anchors() == ("table1", "can1", "can3", "_o1_")
+    assert robot.belief.anchors() == ("table1", "can1", "can2", "can3", "_o1_")  # worth what it is believed to be
     assert pose_of(robot, "_o1_")[:2] == pytest.approx((0.75, 0.15), abs=0.01)
+    for _ in range(4):
+        sees_all(robot, moved)
+    assert robot.belief.anchors() == ("table1", "can1", "can3", "_o1_")
 
 
 def test_hidden_object_keeps_its_existence() -> None:
