@@ -45,6 +45,7 @@ class BelievedWorld:
         self.client = bodies.connect(gravity=False)
         self.robot = PR2(self.client, self_collision=True)
         self.standing: dict[str, Standing] = {}
+        self._unlikely: dict[str, Standing] = {}
         self.carried: dict[Hand, Carried] = {}
         self._bodies: dict[tuple[str, ObjectType, float, Hand | None, Hand | None], int] = {}
         self._is_narrowed = False
@@ -68,12 +69,10 @@ class BelievedWorld:
         """Take over a belief; new objects get bodies, and the bodies of missing ones are parked."""
         self._belief = belief
         self._park_all()
-        self.standing, self.carried = {}, {}
+        self.standing, self.carried, self._unlikely = {}, {}, {}
         doubts = Doubts(belief)
         for anchor in belief.anchors:
             believed = belief.objects[anchor]
-            if believed.exists < EXISTS:
-                continue
             object_type = self._types[likeliest(believed.type)]
             if believed.in_hand is not None and believed.tool_T_object is not None:
                 body = self._body(anchor, object_type, 0.0, believed.in_hand)
@@ -85,9 +84,8 @@ class BelievedWorld:
             wider = doubt if object_type.graspable else 0.0
             own = doubts.own_spread(anchor, SPREAD_LIMIT_M) if object_type.graspable else 0.0
             body = self._body(anchor, object_type, wider, None)
-            self.standing[anchor] = Standing(
-                anchor, object_type, believed.world_T_object, wider, doubt, own, body, believed.support
-            )
+            item = Standing(anchor, object_type, believed.world_T_object, wider, doubt, own, body, believed.support)
+            (self.standing if believed.exists >= EXISTS else self._unlikely)[anchor] = item
         self.reset()
         self._narrow_what_touches()
 
@@ -151,6 +149,22 @@ class BelievedWorld:
             if old[anchor].body != item.body:
                 self._park(old[anchor].body)
                 bodies.set_pose(self.client, item.body, item.type, item.world_T_object)
+
+    @contextlib.contextmanager
+    def supposing(self, anchor: str) -> Iterator[None]:
+        """Have an object stand where it is believed to meanwhile, however unlikely it exists."""
+        item = self._unlikely.get(anchor)
+        if item is None or anchor in self.standing:
+            yield
+            return
+        likely = self.standing
+        self.standing = likely | {anchor: item}
+        bodies.set_pose(self.client, item.body, item.type, item.world_T_object)
+        try:
+            yield
+        finally:
+            self.standing = likely
+            self._park(item.body)
 
     @contextlib.contextmanager
     def removed(self, anchors: Collection[str]) -> Iterator[None]:

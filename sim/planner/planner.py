@@ -125,14 +125,15 @@ class PlanningWorld:
         if key not in self._answers:
             clear_of = None if activity.clear_of is None else self._way_to_keep(activity.clear_of)
             self._world.reset()
-            with self._world.narrowed() if narrow else contextlib.nullcontext():
+            with self._world.supposing(activity.anchor), self._world.narrowed() if narrow else contextlib.nullcontext():
                 self._answers[key] = answer(self._task(activity, clear_of))
         return self._answers[key]
 
     def _kept_way(self, question: str, activity: Activity, answer: Callable[[Activity], Way | None]) -> Way | None:
         key = self._key(question, activity)
         if key not in self._ways:
-            self._ways[key] = answer(activity)
+            with self._world.supposing(activity.anchor):
+                self._ways[key] = answer(activity)
         return self._ways[key]
 
     def _key(self, question: str, activity: Activity) -> Question:

@@ -65,9 +65,10 @@ class SymbolicBelief:
         """Return the pillars of all objects that could block a hand."""
         return [self.pillar(anchor) for anchor in self.standing() if self.type(anchor).shape != "table"]
 
-    def sight(self, world_T_base: Pose2) -> BelievedSight:
-        """Return the camera of a robot at a base pose."""
-        things = [Thing(a, self.type(a), self.object(a).world_T_object) for a in self.standing()]
+    def sight(self, world_T_base: Pose2, target: str | None = None) -> BelievedSight:
+        """Return the camera of a robot at a base pose; the object that it looks at counts as existing."""
+        seen = self.standing() if target is None else dict.fromkeys((*self.standing(), target))
+        things = [Thing(a, self.type(a), self.object(a).world_T_object) for a in seen]
         return BelievedSight(world_T_base, self.belief.robot.torso, things)
 
     # ---------------------------------------------------------------- base poses

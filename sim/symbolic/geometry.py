@@ -108,7 +108,7 @@ class SymbolicGeometry:
             return None
         is_table = believed.type(anchor).shape == "table"
         if not is_table:
-            sight = believed.sight(self._now.world_T_base)
+            sight = believed.sight(self._now.world_T_base, anchor)
             if sight.hiders(anchor, ()) is None:
                 return None
             if sight.hiders(anchor, (), believed.doubt(anchor)) is None and next(self._ways.sure(activity), None):

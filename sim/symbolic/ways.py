@@ -88,7 +88,9 @@ class Ways:
         for stance in (*believed.standoffs(target, support, FAR_M), *believed.ring(target[:2])):
             if activity.elsewhere and not is_other_side(stance, believed.belief.world_T_base, target):
                 continue
-            blockers = () if is_table else believed.sight(stance).hiders(anchor, believed.movable(anchor), doubt_m)
+            blockers = (
+                () if is_table else believed.sight(stance, anchor).hiders(anchor, believed.movable(anchor), doubt_m)
+            )
             if blockers is not None:
                 yield Way(stance, tuple(sorted(blockers)))
 
