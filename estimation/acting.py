@@ -3,8 +3,8 @@
 from skolem.estimation import arm
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Event, Lost, Moved, Picked, PickFailed, Placed, Posed
-from skolem.estimation.se2 import raised
 from skolem.traces.messages import HANDS, Action, ActionResult, Hand, NoiseModel, Pick, Place, Pose4
+from skolem.traces.messages.poses import raised
 
 
 def events_of(
@@ -21,7 +21,7 @@ def events_of(
         result: What the joints said.
         grasps: Anchor and tool_T_object by the hand that held them before the action.
         noise: Of wheels, and of objects at release.
-        config: Reads `closed_gap_m`, `dropped_sd_m`, `dropped_sd_rad`, `touched_sd_m` and `touched_sd_rad`.
+        config: Reads `closed_gap_m`, and the sds of what was lost, was dropped, or was touched.
 
     A hand that is believed to hold something and whose fingers have met holds it no longer, whatever was done.
 
@@ -34,37 +34,41 @@ def events_of(
         events += _drive(result.odometry, noise)
     if isinstance(action.command, Pick | Place) and result.base_T_tool is None:
         events.append(Moved(start_T_end=(0.0, 0.0, 0.0), sd_m=config.touched_sd_m, sd_rad=config.touched_sd_rad))
-    lost = [hand for hand in HANDS if hand in grasps and _is_empty(hand, action, result, config)]
-    events += [_lost(hand, grasps[hand][0], result, config) for hand in lost]
+    lost = [loss for hand in HANDS if hand in grasps for loss in _lost(hand, grasps[hand][0], action, result, config)]
+    events += lost
     match action.command:
         case Pick():
             events += _pick(action, action.command, result, config)
-        case Place() if action.command.hand in grasps and action.command.hand not in lost:
-            events += _place(action, action.command, result, grasps[action.command.hand], noise, config)
+        case Place() if action.command.hand in grasps.keys() - {loss.hand for loss in lost}:
+            events += _place(action, action.command, result, grasps[action.command.hand], noise)
     return tuple(events)
 
 
-def _is_empty(hand: Hand, action: Action, result: ActionResult, config: EstimatorConfig) -> bool:
-    """Return whether a hand turned out to be empty: its fingers met, or it opened to put something down and had none.
+def _lost(hand: Hand, anchor: str, action: Action, result: ActionResult, config: EstimatorConfig) -> list[Lost]:
+    """Return that a hand no longer holds an object, if so: its fingers have met, or a place failed.
 
-    Fingers that hold nothing always have met or were opened, and those that were opened are believed to hold nothing.
+    A place that failed has found the hand empty, or has let the object drop. Fingers that were opened hold nothing and
+    are not believed to; so fingers that are apart hold what they are believed to hold.
     """
-    if hand in result.gaps_m:
-        return result.gaps_m[hand] < config.closed_gap_m
-    opened = isinstance(action.command, Place) and action.command.hand == hand and result.base_T_tool is not None
-    return opened and result.status == "failed"
-
-
-def _lost(hand: Hand, anchor: str, result: ActionResult, config: EstimatorConfig) -> Lost:
+    is_place = isinstance(action.command, Place) and action.command.hand == hand
+    gap = result.gaps_m.get(hand)
+    is_empty = gap is not None and gap < config.closed_gap_m
+    failed = is_place and result.status == "failed" and result.base_T_tool is not None
+    if not is_empty and not failed:
+        return []
+    dropped = failed and gap is not None and not is_empty
     tool = arm.base_T_tool(result.robot, hand)
-    return Lost(
-        hand=hand,
-        anchor=anchor,
-        base_T_tool=raised(arm.flattened(tool), float(tool[2, 3])),
-        sd_m=config.lost_sd_m,
-        sd_rad=config.unknown_heading_sd_rad,
-        sd_z_m=config.lost_sd_z_m,
-    )
+    here = raised(arm.flattened(tool), float(tool[2, 3]))
+    return [
+        Lost(
+            hand=hand,
+            anchor=anchor,
+            base_T_tool=result.base_T_tool if failed and result.base_T_tool is not None else here,
+            sd_m=config.dropped_sd_m if dropped else config.lost_sd_m,
+            sd_rad=config.unknown_heading_sd_rad,
+            sd_z_m=config.lost_sd_z_m,
+        )
+    ]
 
 
 def _drive(start_T_end: tuple[float, float, float], noise: NoiseModel) -> list[Event]:
@@ -95,13 +99,11 @@ def _place(
     result: ActionResult,
     grasp: tuple[str, Pose4],
     noise: NoiseModel,
-    config: EstimatorConfig,
 ) -> list[Event]:
     """Return where the object was released; nothing if the fingers did not open."""
     if result.base_T_tool is None:
         return []
     anchor, tool_T_object = grasp
-    as_planned = result.status == "done"
     return [
         Placed(
             hand=command.hand,
@@ -109,7 +111,7 @@ def _place(
             base_T_tool=result.base_T_tool,
             tool_z_object=tool_T_object[2],
             support=action.args[1] if len(action.args) > 1 else None,
-            sd_m=noise.place_sd_m if as_planned else config.dropped_sd_m,
-            sd_rad=noise.place_sd_rad if as_planned else config.dropped_sd_rad,
+            sd_m=noise.place_sd_m,
+            sd_rad=noise.place_sd_rad,
         )
     ]

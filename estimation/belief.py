@@ -93,8 +93,7 @@ class Belief:
         self._begin(config or EstimatorConfig())
         self.apply(Began(prior=prior))
         for anchor in self.anchors():  # told to be on a support, and from there maybe as far as beside it
-            if is_sought(self._graph, self._tracks, anchor, self._config):
-                self._seek(anchor, believed_places(self._graph, self._tracks, anchor, self._config))
+            self._seek_first(anchor)
 
     @classmethod
     def from_events(cls, events: Iterable[Event], config: EstimatorConfig | None = None) -> "Belief":
@@ -121,7 +120,7 @@ class Belief:
         for event in events_of(action, result, grasps, self._tracks.prior.noise, self._config):
             self.apply(event)
             if isinstance(event, Lost):
-                self._seek(event.anchor, believed_places(self._graph, self._tracks, event.anchor, self._config))
+                self._seek_first(event.anchor)
         if observation.kind == "look":
             self._look(observation)
         if observation.wrench is not None and (anchor := self.held(observation.wrench.hand)):
@@ -140,6 +139,11 @@ class Belief:
             self._seek(anchor, places)
         for merged in tuple(identity.merges(look)):
             self.apply(merged)
+
+    def _seek_first(self, anchor: str) -> None:
+        """Believe an object of whose place little is known to be where things can be."""
+        if is_sought(self._graph, self._tracks, anchor, self._config):
+            self._seek(anchor, believed_places(self._graph, self._tracks, anchor, self._config))
 
     def _seek(self, anchor: str, places: tuple[Place, ...]) -> None:
         """Believe an object to be where most of the weight of its places is, if it can be at one at all."""
@@ -209,7 +213,7 @@ class Belief:
         support_T_object, covariance = self._relation(support, anchor)
         inside = turned(covariance, support_T_object[2])[:2, :2]
         free = rectangle((size[0] - margin, size[1] - margin))
-        return prob_in_polygon(np.array(support_T_object[:2]), inside, free)
+        return track.rests * prob_in_polygon(np.array(support_T_object[:2]), inside, free)
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
         """P(the middles of two objects are at most so far apart, in the plane), given that both exist; 0 while held."""

@@ -56,10 +56,10 @@ class EstimatorConfig:
         pushed_sd_m: How far a failed pick may push the object, each axis.
         pushed_sd_rad: How far a failed pick may turn it.
         dropped_sd_m: How far an object may lie from where a failed place released it, each axis.
-        dropped_sd_rad: The same for its heading.
         lost_sd_m: How far what is no longer in a hand may be from where the hand was found empty, each axis: it fell on
             the way, or somebody took it and put it down nearby.
         lost_sd_z_m: The same for its height: from the floor to a table.
+        lost_rests: P(it stands on a support that is known, rather than on the floor or where nobody looks).
         touched_sd_m: How far the base may stand from where it was believed to when an arm touched something, each axis.
         touched_sd_rad: The same for its heading.
         bulky_kg: Median weight of what cannot be lifted, tables above all, if nothing is told of it.
@@ -118,9 +118,9 @@ class EstimatorConfig:
     pushed_sd_m: float = 0.03
     pushed_sd_rad: float = 0.3
     dropped_sd_m: float = 0.05
-    dropped_sd_rad: float = 1.0
     lost_sd_m: float = 1.0
     lost_sd_z_m: float = 0.35
+    lost_rests: float = 0.5
     touched_sd_m: float = 0.02
     touched_sd_rad: float = 0.02
     bulky_kg: float = 20.0

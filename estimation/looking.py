@@ -295,7 +295,8 @@ class Look:
         )
         if said.p_reported > 0.0:
             self._sought[anchor] = said.places
-        return Missed(anchor=anchor, p_reported=said.p_reported, solid=said.solid)
+        rests = self._tracks[anchor].rests
+        return Missed(anchor=anchor, p_reported=rests * said.p_reported, solid=rests * said.solid)
 
     def sought(self) -> dict[str, tuple[Place, ...]]:
         """Return where the objects may be that `event` found were not seen although little is known of their places."""

@@ -47,6 +47,7 @@ class Track:
         support: What it rests on; None: the floor, unknown, or held.
         hand: Which hand holds it.
         places: Where it may stand while little is known of that, each with its weight; nothing: as the Gaussian says.
+        rests: P(it stands on a support that is known, and not on the floor or elsewhere | it exists).
         otherwise: P(something else stands where it should | it does not exist).
     """
 
@@ -60,6 +61,7 @@ class Track:
     otherwise: float
     hand: Hand | None = None
     places: tuple[Place, ...] = ()
+    rests: float = 1.0
 
 
 class Tracks:
@@ -162,7 +164,7 @@ class Tracks:
             case Lost():
                 z, variance = event.base_T_tool[2], event.sd_z_m**2
                 lost = replace(self[event.anchor], hand=None, support=None, z=z, z_variance=variance)
-                self._tracks[event.anchor] = lost
+                self._tracks[event.anchor] = replace(lost, rests=self._config.lost_rests)
             case Weighed():
                 track = self[event.anchor]
                 self._tracks[event.anchor] = replace(track, weight=track.weight.updated(event.kg))
@@ -190,6 +192,7 @@ class Tracks:
             z_variance=(1.0 - gain) * track.z_variance,
             support=track.support or other.support,
             places=(),
+            rests=1.0,
         )
         self._tracks |= {event.anchor: merged, event.other: replace(other, exists=0.0)}
         odds = other.exists / (1.0 - other.exists)
@@ -216,7 +219,10 @@ class Tracks:
         track = self[miss.anchor]
         without = 1.0 - miss.solid * (1.0 - track.otherwise)
         exists = after_evidence(track.exists, (1.0 - miss.p_reported) / without)
-        return replace(track, exists=min(exists, self._config.most_sure), otherwise=track.otherwise / without)
+        silent = 1.0 - miss.p_reported
+        rests = (track.rests - miss.p_reported) / silent if track.places and silent > 0.0 else track.rests
+        surest = self._config.most_sure
+        return replace(track, exists=min(exists, surest), otherwise=track.otherwise / without, rests=max(rests, 0.0))
 
     def _told(self, item: PriorObject) -> Track:
         arbitrary = self.arbitrary(self.prior.types[likeliest(item.type)])
@@ -300,6 +306,7 @@ class Tracks:
             track,
             support=sighting.support or track.support,
             places=(),
+            rests=1.0,
             types=track.types.updated(sighting.detection.type_log_likelihood),
             colour=track.colour.updated(sighting.detection.rgb),
             z=track.z + gain * (sighting.z - track.z),

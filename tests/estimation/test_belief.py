@@ -27,6 +27,7 @@ from skolem.estimation.se2 import between, compose, exp, inverse, log, symmetric
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.messages import (
     DepthView,
+    PriorObject,
     TypeIs,
 )
 
@@ -296,3 +297,33 @@ def test_look_elsewhere_is_no_evidence() -> None:
     robot.drive((0.0, 0.0, 2.0))
     robot.look([], depth_view())
     assert robot.belief.prob_exists("can2") == 0.99
+
+
+def test_heading_of_a_box_believed_to_be_a_cylinder_says_nothing_of_where_the_base_is_turned() -> None:
+    box, cylinder = (Robot(prior(base_sd=0.1, sd_m=0.01)) for _ in range(2))
+    for robot, kind in ((box, "carton"), (cylinder, "soda")):
+        robot.look([detection((*CANS["can2"][:2], 0.4), kind=kind)], depth_view([CANS["can2"]]))
+    told, mistaken = (symmetric(r.belief.snapshot(1).base_covariance)[2, 2] for r in (cylinder, box))
+    assert mistaken == pytest.approx(told, rel=0.02)
+
+
+def test_belief_names_no_support_that_it_does_not_list() -> None:
+    """A carton that was taken away carries nothing any more, though a can was told to stand on it."""
+    carton = PriorObject(
+        anchor="carton1",
+        type={"carton": 1.0},
+        world_T_object=(0.8, 0.4, TABLE_TOP, 0.0),
+        sd_xy_m=0.01,
+        sd_theta_rad=0.1,
+        support="table1",
+    )
+    told = prior(cans={})
+    can = carton.model_copy(update={"anchor": "can9", "type": {"soda": 1.0}, "support": "carton1"})
+    can = can.model_copy(update={"world_T_object": (0.8, 0.4, TABLE_TOP + 0.14, 0.0)})
+    robot = Robot(told.model_copy(update={"objects": (*told.objects, carton, can)}))
+    assert robot.belief.snapshot(0).objects["can9"].support == "carton1"
+    for _ in range(4):
+        robot.look([], depth_view())
+    seen = robot.belief.snapshot(4)
+    assert "carton1" not in seen.anchors
+    assert {item.support for item in seen.objects.values()} <= {None, *seen.anchors}

@@ -8,7 +8,7 @@ from kit.beliefs import CANS, EXACT, GRASP, HEAVY, TABLE_TOP, TOOL, Robot, depth
 
 from skolem.estimation.fluents import covariance_within
 from skolem.estimation.se2 import between, compose, symmetric
-from skolem.traces.messages import Pose2
+from skolem.traces.messages import Hand, Pose2
 
 
 def test_driving_widens_and_looking_at_one_object_sharpens_another() -> None:
@@ -94,13 +94,53 @@ def test_place_that_did_not_open_the_fingers_leaves_the_object_held() -> None:
     assert robot.belief.held("right") == "can2"
 
 
-def test_place_that_dropped_the_object_leaves_it_vaguely_there() -> None:
+def test_object_that_a_failed_place_dropped_is_near_there_and_on_nothing_until_it_is_seen() -> None:
+    robot = Robot(prior())
+    sees_all(robot)
+    robot.pick("can2", TOOL, GRASP)
+    robot.place("can2", "table1", (0.8, 0.1, 0.75, 0.0), status="failed", gaps_m={"right": 0.066, "left": 0.086})
+    assert robot.belief.held("right") is None
+    assert 0.1 > np.sqrt(np.diag(robot.belief.gaussian("pose", "can2").covariance))[:2].min() > 0.04
+    assert robot.belief.prob_on("can2", "table1") == 0.0
+    robot.look([detection((0.85, 0.15, 0.0))], depth_view([(0.85, 0.15, 0.0)]))
+    assert robot.belief.support("can2") == "table1"
+    assert robot.belief.prob_on("can2", "table1") > 0.9
+
+
+@pytest.mark.parametrize("gaps_m", [{}, {"right": 0.0, "left": 0.086}])
+def test_failed_place_shows_that_the_hand_was_empty_and_the_object_is_elsewhere(gaps_m: dict[Hand, float]) -> None:
+    robot = Robot(prior())
+    sees_all(robot)
+    robot.pick("can2", TOOL, GRASP)
+    robot.place("can2", "table1", (0.8, 0.1, 0.75, 0.0), status="failed", gaps_m=gaps_m)
+    assert robot.belief.held("right") is None
+    assert robot.belief.prob_on("can2", "table1") < 0.9
+    assert robot.belief.prob_exists("can2") == pytest.approx(0.99)
+    assert np.sqrt(np.diag(robot.belief.gaussian("pose", "can2").covariance))[:2].max() > 0.2
+
+
+def test_fingers_that_met_on_a_drive_have_lost_what_they_held() -> None:
+    kept, lost = Robot(prior()), Robot(prior())
+    for robot, gap in ((kept, 0.066), (lost, 0.0)):
+        sees_all(robot)
+        robot.pick("can2", TOOL, GRASP)
+        robot.drive((0.0, 0.5, 0.0), gaps_m={"right": gap, "left": 0.086})
+    assert kept.belief.held("right") == "can2"
+    assert lost.belief.held("right") is None
+    assert np.sqrt(np.diag(lost.belief.gaussian("pose", "can2").covariance))[:2].max() > 0.2
+
+
+def test_object_lost_from_the_hand_is_known_again_once_it_is_seen() -> None:
     robot = Robot(prior())
     sees_all(robot)
     robot.pick("can2", TOOL, GRASP)
     robot.place("can2", "table1", (0.8, 0.1, 0.75, 0.0), status="failed")
-    assert robot.belief.held("right") is None
-    assert np.sqrt(np.diag(robot.belief.gaussian("pose", "can2").covariance))[:2].min() > 0.04
+    others = [CANS["can1"], CANS["can3"]]
+    for _ in range(2):
+        robot.look([detection(p) for p in (*others, (1.15, 0.0, 0.0))], depth_view([*others, (1.15, 0.0, 0.0)]))
+    assert robot.belief.snapshot(9).objects["can2"].world_T_object[:2] == pytest.approx((1.15, 0.0), abs=0.02)
+    assert robot.belief.prob_on("can2", "table1") > 0.9
+    assert robot.belief.anchors() == ("table1", *CANS)
 
 
 def test_failed_pick_leaves_the_object_known_less_well() -> None:

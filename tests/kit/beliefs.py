@@ -14,6 +14,7 @@ from skolem.traces.messages import (
     Command,
     DepthView,
     Detection,
+    Hand,
     HsvBelief,
     HsvVolume,
     LookAt,
@@ -175,7 +176,7 @@ class Robot:
         self.step = 0
 
     def _do(self, command: Command, args: tuple[str, ...] = (), odometry: Pose2 | None = None, **seen: object) -> None:
-        result = {k: seen.pop(k) for k in ("status", "base_T_tool", "gripper_gap_m") if k in seen}
+        result = {k: seen.pop(k) for k in ("status", "base_T_tool", "gripper_gap_m", "gaps_m") if k in seen}
         self.belief.update(
             Action(step=self.step, op=command.kind, args=args, command=command),
             ActionResult.model_validate(
@@ -188,17 +189,25 @@ class Robot:
     def look(self, detections: Sequence[Detection], view: DepthView | None = None) -> None:
         self._do(LookAt(pan=0.0, tilt=PITCH), kind="look", detections=tuple(detections), view=view)
 
-    def drive(self, odometry: Pose2) -> None:
-        self._do(MoveBase(start_T_waypoint=(odometry,)), odometry=odometry)
+    def drive(self, odometry: Pose2, gaps_m: dict[Hand, float] | None = None) -> None:
+        self._do(MoveBase(start_T_waypoint=(odometry,)), odometry=odometry, gaps_m=gaps_m or {})
 
     def pick(self, anchor: str, base_T_tool: Pose4, tool_T_object: Pose4, gap: float = 0.066) -> None:
         command = Pick(hand="right", approach=(), reach=(), lift=(), carry=(STRETCHED,), tool_T_object=tool_T_object)
         status = "done" if gap > 0.0 else "failed"
         self._do(command, (anchor,), status=status, base_T_tool=base_T_tool, gripper_gap_m=gap)
 
-    def place(self, anchor: str, support: str, base_T_tool: Pose4 | None, status: str = "done") -> None:
+    def place(
+        self,
+        anchor: str,
+        support: str,
+        base_T_tool: Pose4 | None,
+        status: str = "done",
+        gaps_m: dict[Hand, float] | None = None,
+    ) -> None:
         command = Place(hand="right", approach=(), lower=(), retreat=(), carry=(STRETCHED,))
-        self._do(command, (anchor, support), status=status, base_T_tool=base_T_tool, gripper_gap_m=0.08)
+        opened = {"gripper_gap_m": 0.08, "gaps_m": gaps_m or {}}
+        self._do(command, (anchor, support), None, status=status, base_T_tool=base_T_tool, **opened)
 
     def weigh(self, newton: float) -> None:
         wrench = Wrench(hand="right", force_newton=(0.0, 0.0, -newton), samples=48)

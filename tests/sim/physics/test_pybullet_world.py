@@ -410,8 +410,11 @@ def test_a_disturbed_thing_stands_where_it_was_put(make: Make) -> None:
 def test_a_disturbance_takes_a_thing_out_of_the_hand(make: Make) -> None:
     session = make()
     session.do(session.pick())
+    held, _ = session.do(MoveBase(start_T_waypoint=((-0.05, 0.0, 0.0),)))
+    assert max(held.gaps_m.values()) > 0.06
     session.world.disturb("can1", (0.9, 0.3, TABLE_M, 0.0))
-    session.do(MoveBase(start_T_waypoint=((-0.2, 0.0, 0.0),)))
+    empty, _ = session.do(MoveBase(start_T_waypoint=((-0.15, 0.0, 0.0),)))
+    assert min(empty.gaps_m.values()) < 0.005
     assert session.thing().world_T_object == pytest.approx((0.9, 0.3, TABLE_M, 0.0), abs=0.005)
     assert (session.thing().on, session.thing().in_hand) == ("table1", None)
 

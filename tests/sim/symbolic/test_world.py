@@ -284,6 +284,17 @@ def test_a_disturbance_takes_an_object_out_of_the_hand() -> None:
     assert (thing(there, "green").on, thing(there, "green").in_hand) == ("table2", None)
 
 
+def test_fingers_tell_after_each_action_whether_they_hold_something() -> None:
+    there = world()
+    gaps = [do(there, DRIVE)[0].gaps_m, do(there, picking(1.05, 0.1), 1)[0].gaps_m, do(there, LOOK, 2)[0].gaps_m]
+    assert [gap["right"] for gap in gaps] == pytest.approx([0.086, 0.066, 0.066])
+    there.disturb("green", (0.0, -1.5, 0.68, 0.0))
+    assert do(there, LOOK, 3)[0].gaps_m == {"right": 0.0, "left": 0.086}
+    placed = do(there, placing(1.1, 0.2), 4)[0]
+    assert (placed.status, placed.gaps_m["right"]) == ("failed", 0.0)
+    assert do(there, LOOK, 5)[0].gaps_m["right"] == pytest.approx(0.086)
+
+
 def test_equal_seeds_give_equal_worlds_and_other_seeds_others() -> None:
     noise = EXACT.model_copy(update={"odometry_sd_m": 0.01, "extrinsics_sd_m": 0.01, "found": 0.9})
     commands: tuple[Command, ...] = (LOOK, DRIVE, LOOK)
