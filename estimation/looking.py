@@ -5,22 +5,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skolem.estimation.association import MAX_LOG_ODDS, Match, Measured, assign, match, with_heading_near
+from skolem.estimation.association import (
+    MAX_LOG_ODDS,
+    Match,
+    Measured,
+    Pair,
+    Scene,
+    assign,
+    assign_jointly,
+    is_ambiguous,
+    match,
+    with_heading_near,
+)
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.coverage import Array, Mask
-from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.events import Looked, Missed, Place, Sighting, canonical_order
 from skolem.estimation.extrinsics import camera_covariance, own_covariance, sighting_z_sd
 from skolem.estimation.fluents import prob_in_polygon, rectangle
 from skolem.estimation.identity import overlap
-from skolem.estimation.joint_association import Pair, Scene, assign_jointly, is_ambiguous
 from skolem.estimation.places import believed_places, is_sought, silence
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, symmetric, turned, upper
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import near_arms
-from skolem.estimation.visibility import is_solid, outline_radius, prob_visible_and_solid, shows_behind
+from skolem.estimation.visibility import DepthImage, is_solid, outline_radius, prob_visible_and_solid, shows_behind
 from skolem.traces.messages import Detection, NoiseModel, ObjectType, Observation, Pose2
 from skolem.traces.messages.poses import flat
 

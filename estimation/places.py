@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.events import Place, Sought
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.se2 import compose, turned, upper
 from skolem.estimation.tracks import Tracks
-from skolem.estimation.visibility import is_solid, is_visible
+from skolem.estimation.visibility import DepthImage, is_solid, is_visible
 from skolem.traces.messages import Pose2
 
 Array = NDArray[np.float64]

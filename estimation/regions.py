@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.coverage import Array, Coverage, Grid, Mask
-from skolem.estimation.depth_image import DepthImage
 from skolem.estimation.events import Began, Event, Looked, Lost
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import Unexplained, near_arms
-from skolem.estimation.visibility import prob_visible
+from skolem.estimation.visibility import DepthImage, prob_visible
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import ObjectType, Pose2, Pose4, PriorRegion, RegionBelief, RobotState
 from skolem.traces.messages.poses import raised

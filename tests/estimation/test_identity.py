@@ -64,7 +64,8 @@ def test_of_three_anchors_in_one_place_a_look_merges_two_and_the_next_look_the_t
     for looks in (1, 2):
         robot.look([detection(CANS["can2"])] * 3)
         assert [change.kind for change in robot.belief.identity_changes()] == ["merged"] * looks
-        assert len(robot.belief.anchors()) == len(("table1", *CANS, *more)) - looks
+        told = [anchor for anchor in robot.belief.anchors() if anchor in ("table1", *CANS, *more)]
+        assert len(told) == len(("table1", *CANS, *more)) - looks
 
 
 def test_object_of_two_anchors_is_known_as_well_as_by_both() -> None:

@@ -4,10 +4,9 @@ import numpy as np
 from kit.beliefs import CANS, Robot, detection, prior
 from numpy.random import PCG64, Generator, SeedSequence
 
-from skolem.estimation.association import Measured
+from skolem.estimation.association import Measured, Pair, Scene, assign_jointly, is_ambiguous
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Looked
-from skolem.estimation.joint_association import Pair, Scene, assign_jointly, is_ambiguous
 from skolem.estimation.se2 import between, exp
 from skolem.traces.messages import Pose2
 

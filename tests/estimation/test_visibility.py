@@ -5,8 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.depth_image import DepthImage
-from skolem.estimation.visibility import prob_visible, prob_visible_and_solid, shows_behind
+from skolem.estimation.visibility import DepthImage, prob_visible, prob_visible_and_solid, shows_behind
 from skolem.traces.messages import DepthView, ObjectType, Pose2, Pose4
 
 CAN = ObjectType(shape="cylinder", size_m=(0.066, 0.066, 0.12), graspable=True)
