@@ -62,7 +62,7 @@ class Reference:
             case Compound("bn", (Compound("colour" | "pose" as quantity, (str(o),)), _, _, _, _)) if self.q.rigid(o):
                 for seen in {o, *(self.q.standing_on(o) if quantity == "pose" else ())}:
                     yield self._look(seen, fluent, o, self._earlier(fluent, quantity, o))
-            case Compound("bn", (Compound("weight", (str(o),)), _, _, _, _)) if self.q.rigid(o):
+            case Compound("bn", (Compound("weight", (str(o),)), _, _, _, _)) if self.q.rigid(o) and self.q.graspable(o):
                 needs = [
                     (compound("krd", o), 0),
                     (compound("held", "right", o), 1),

@@ -42,6 +42,14 @@ def test_sixteen_open_fluents_are_one_call() -> None:
     assert at.offers.calls == before + 1
 
 
+def test_what_cannot_be_lifted_is_not_weighed() -> None:
+    at, refused = among(1), {}
+    for name in ("o1", "desk"):
+        (weighing,) = at.offers.offers(parse_term(f"bn(weight({name}),v(any),sd(100),any,693147)"))
+        refused[name] = tuple(map(str, weighing.rejected))
+    assert refused == {"o1": (), "desk": ("not_graspable",)}
+
+
 @pytest.mark.parametrize("objects", [50, 500, 5000])
 def test_what_is_ground_does_not_grow_with_what_is_known(objects: int) -> None:
     few, many = among(8), among(objects)
