@@ -31,7 +31,7 @@ from skolem.estimation.extrinsics import expected_look
 from skolem.estimation.fluents import disc, prob_in_polygon, rectangle
 from skolem.estimation.identity import Identity
 from skolem.estimation.looking import Look
-from skolem.estimation.places import believed_places, is_sought, sought
+from skolem.estimation.places import believed_places, is_beside, is_sought, sought
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
 from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, Vector, turned, upper
@@ -93,7 +93,8 @@ class Belief:
         self._begin(config or EstimatorConfig())
         self.apply(Began(prior=prior))
         for anchor in self.anchors():  # told to be on a support, and from there maybe as far as beside it
-            self._seek_first(anchor)
+            if is_beside(self._graph, self._tracks, anchor):
+                self._seek_first(anchor)
 
     @classmethod
     def from_events(cls, events: Iterable[Event], config: EstimatorConfig | None = None) -> "Belief":

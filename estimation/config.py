@@ -89,7 +89,7 @@ class EstimatorConfig:
     seen_share: float = 0.75
     depth_margin_m: float = 0.03
     sight_m: float = 2.4
-    sought_sd_m: float = 0.1
+    sought_sd_m: float = 0.15
     place_step_m: float = 0.08
     look_width_m: float = 0.2
     unshown: float = 0.1

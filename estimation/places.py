@@ -35,6 +35,16 @@ def is_sought(graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorCo
     return float(np.linalg.eigvalsh(turned(covariance, theta)[:2, :2])[-1]) > config.sought_sd_m**2
 
 
+def is_beside(graph: PoseGraph, tracks: Tracks, anchor: str) -> bool:
+    """Return whether the mean of an object's place is not on the table that it is believed to stand on."""
+    support = tracks[anchor].support
+    if support is None or tracks.kind(support).shape != "table":
+        return False
+    x, y, _ = graph.mean(support, anchor)
+    size = tracks.kind(support).size_m
+    return abs(x) > size[0] / 2.0 or abs(y) > size[1] / 2.0
+
+
 def believed_places(graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorConfig) -> tuple[Place, ...]:
     """Return where an object may stand, by what is believed now; weights sum to 1; nothing if it is on no known top.
 

@@ -39,7 +39,7 @@ def test_what_is_told_far_off_is_believed_on_the_top_of_its_support() -> None:
 
 
 def test_silence_moves_the_place_to_where_the_look_did_not_reach() -> None:
-    robot = searcher((1.1, 0.3, TOP, 0.0), 0.3)
+    robot = searcher((1.1, 0.7, TOP, 0.0), 0.6)
     before = last_search(robot)
     robot.look(FRONT, at=(1.1, 0.4, TOP))
     after = last_search(robot)
@@ -53,13 +53,11 @@ def test_silence_moves_the_place_to_where_the_look_did_not_reach() -> None:
 
 def test_existence_falls_as_far_as_the_places_were_seen() -> None:
     robot = searcher((1.1, 0.0, TOP, 0.0), 0.3)
-    weights = last_search(robot).places
     robot.look(FRONT, at=(1.1, 0.4, TOP))
     (missed,) = robot.belief.events[-2].missed  # type: ignore[union-attr]
     assert 0.0 < missed.p_reported < 0.9
     silent = 0.99 * (1.0 - missed.p_reported)
     assert robot.belief.prob_exists("soda1") == pytest.approx(silent / (silent + 0.01), abs=1e-6)
-    assert len(weights) > 50
 
 
 @pytest.mark.parametrize("really", [(0.95, 0.35, TOP, 0.0), (1.25, -0.4, TOP, 0.0), (1.1, 0.1, TOP, 0.0)])

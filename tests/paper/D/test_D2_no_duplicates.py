@@ -28,4 +28,5 @@ def test_a_whole_run_among_known_objects_ends_with_the_anchors_it_began_with(nam
     """ "Objects that the robot discovers" are added, and no others; over seeds: `skolem sweep`, docs/results.md."""
     run = with_physics(name)
     assert sum(len(seen.detections) for seen in run.observations) >= 6
-    assert run.beliefs[-1].anchors == run.known()
+    last = run.beliefs[-1]
+    assert tuple(anchor for anchor in last.anchors if last.objects[anchor].exists >= 0.5) == run.known()

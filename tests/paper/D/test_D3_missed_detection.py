@@ -47,7 +47,7 @@ def test_where_the_picture_shows_that_something_stands_it_takes_more_misses() ->
 
 def looks_to_give_up(searcher: Searcher) -> int:
     looks = 0
-    while "can1" in searcher.belief.anchors():
+    while searcher.belief.prob_exists("can1") >= 0.5:
         searcher.look(FRONT, found=False)
         looks += 1
     return looks
