@@ -17,7 +17,7 @@ from skolem.reasoner.terms import ANY, Compound, Term, compound, matches, parse_
 
 SURE, LIKELY, PATIENCE, ROUNDING = 223_144, 693_147, 693_147, 3
 SLIP = LANDING = OVERLOOKED = 51_293
-DRIFT, STILL_BLOCKED, BUSY_HAND = 30_459, 105_361, 105_361
+DRIFT, STILL_BLOCKED = 30_459, 105_361
 HANDS = ("right", "left")
 MEASURES = {"soda": "type", "bottle": "type", "carton": "type", "green": "colour", "heavy": "weight"}
 Need = tuple[Term, int]
@@ -166,21 +166,18 @@ class Reference:
         if not self.q.graspable(o):
             return
         yaw: Term = 150 if self.q.yaw_observable(o) else ANY
-        for hand, beside in itertools.product(hands, (False, True)):
-            command = compound("pick", hand, o)
-            step = compound("pick_beside", hand, o) if beside else command
-            free = [hand] if beside else list(HANDS)
-            needs: list[Need] = [(compound("krd", o), 0), (compound("clear", command), 2)]
-            needs += [(compound("empty", each), 1) for each in free]
+        for hand in hands:
+            step = compound("pick", hand, o)
+            needs: list[Need] = [(compound("krd", o), 0), (compound("clear", step), 2)]
+            needs += [(compound("empty", each), 1) for each in HANDS]
             needs += [(t("bn(pose({o}),any,sd(50,50,any),any,{p})", o=o, p=SURE), 1)]
-            needs += [(t("bn(pose({o}),any,sd(8,8,{y}),any,{p})", o=o, y=yaw, p=SURE), 3), (compound("at", command), 3)]
+            needs += [(t("bn(pose({o}),any,sd(8,8,{y}),any,{p})", o=o, y=yaw, p=SURE), 3), (compound("at", step), 3)]
             needs += [(edges(support), 3) for support in self.q.support_of(o)]
             loses = [compound("empty", hand), compound("loose", o), t("b(on({o},any),any)", o=o)]
             loses += [t("aside({o},any)", o=o)]
             results = [compound("holding", o), compound("held", hand, o)]
-            costs = {"slips": SLIP} | ({"busy_hand": BUSY_HAND} if beside else {})
             name = compound("pick", o)
-            yield self._made(step, results, needs, costs, destroys=loses, operation=name, executes=command)
+            yield self._made(step, results, needs, {"slips": SLIP}, destroys=loses, operation=name, executes=step)
 
     def _places(self, fluent: Term) -> Iterator[Instance]:
         match fluent:

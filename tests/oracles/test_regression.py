@@ -31,7 +31,6 @@ SKILLS = {  # how likely the robot's own steps succeed, whatever is believed
     "look_region": 0.95,
     "move": 0.97,
     "pick": 0.95,
-    "pick_beside": 0.95 * 0.9,
     "place": 0.95,
     "put": 0.95,
     "remove": 0.9,
@@ -266,6 +265,4 @@ def test_the_reference_is_not_empty() -> None:
     assert [str(i.step) for i in reference(at).instances(parse_term("holding(o1)"))] == [
         "pick(left,o1)",
         "pick(right,o1)",
-        "pick_beside(left,o1)",
-        "pick_beside(right,o1)",
     ]
