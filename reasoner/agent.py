@@ -85,7 +85,7 @@ class Agent:
         self._too_deep = False  # whether a step of this belief was not refined, since the stack was as deep as may be
         self._effort = 1  # by which the limits of searches are multiplied in this belief
         self._in_vain: dict[object, str] = {}  # searches without a plan in this belief, and why: more refusals add none
-        self._objections: dict[Term, str] = {}  # command -> why the robot cannot do such a thing
+        self._objections: dict[Term, str] = {}  # step -> why the robot cannot do such a thing
         self._attempts = Attempts(limits)
         self._executed: Step | None = None
         self._version = belief.version
@@ -264,8 +264,7 @@ class Agent:
     def _execute(self, turn: Turn, step: int, current: Step) -> None:
         executes = current.instance.executes
         if executes is not None and (objection := self.posed.situation.objection(executes)) is not None:
-            lacking, self._objections[executes] = objection
-            self._attempts.give_up(executes)
+            lacking, self._objections[current.instance.step] = objection
             self._refuse(turn, step, current, IMPOSSIBLE, lacking)
             return
         command = None if executes is None else self._command(executes)
@@ -282,7 +281,8 @@ class Agent:
 
     def _is_refused(self, instance: Instance, level: int) -> bool:
         """Return whether a step is not to be planned with at a level, as long as the belief stays as it is."""
-        return (instance.step, level) in self._refused or self._attempts.is_hopeless(instance.executes)
+        refused = (instance.step, level) in self._refused or instance.step in self._objections
+        return refused or self._attempts.is_hopeless(instance.executes)
 
     def _judge_last(self) -> None:
         """Note whether the last action achieved the results that its step promised."""
@@ -311,7 +311,7 @@ class Agent:
             names = sorted({title(name) for name, reason in self._refused.values() if reason == why})
             reason += f"; {why}: {', '.join(names)}" if names else ""
         reason += "".join(f"; {why}" for _, why in sorted(self._objections.items(), key=str))
-        often = [str(step) for step in self._attempts.hopeless() if step not in self._objections]
+        often = list(map(str, self._attempts.hopeless()))
         if often:
             reason += f"; without success {self._limits.repeats} times: {', '.join(sorted(often))}"
         if self._stopped:

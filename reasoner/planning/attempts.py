@@ -27,10 +27,6 @@ class Attempts:
         else:
             self._in_vain[done.executes] = 0 if achieved else self._in_vain[done.executes] + 1
 
-    def give_up(self, command: Term) -> None:
-        """Note that a command is not to be tried again."""
-        self._failures[command] = self._limits.repeats
-
     def is_hopeless(self, command: Term | None) -> bool:
         """Return whether a command failed so often in a row that it is not tried again; an inference never does."""
         return command is not None and self._failures[command] >= self._limits.repeats

@@ -95,8 +95,9 @@ def picture(base_T_cans: dict[str, Pose2]) -> DepthView:
 
 
 def distances(robot: Robot, base_T_cans: dict[str, Pose2]) -> dict[str, dict[str, float]]:
-    """Return how far from each can each anchor is that is listed, metres."""
-    listed = [name for name in robot.belief.anchors() if name != TABLE.id]
+    """Return how far from each can each anchor is that rather exists than not, metres."""
+    likely = [name for name in robot.belief.anchors() if robot.belief.prob_exists(name) >= 0.5]
+    listed = [name for name in likely if name != TABLE.id]
     places = {name: robot.belief.gaussian("pose", name).mean[:2] for name in listed}
     return {can: {n: math.dist(place, at[:2]) for n, place in places.items()} for can, at in base_T_cans.items()}
 

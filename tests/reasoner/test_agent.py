@@ -8,6 +8,7 @@ from kit.papers import GREEN_TO_TABLE1, example, three_sodas
 from kit.places import DATA
 from kit.plays import BLUE, GREEN, LIMITS, RED, Play
 
+from skolem.reasoner import agent
 from skolem.reasoner.agent import Agent, Turn
 from skolem.reasoner.language.parser import parse_goal
 from skolem.reasoner.planning.hierarchy import Change
@@ -307,16 +308,21 @@ def test_the_stack_is_as_deep_as_the_limit_says_and_no_deeper(rulebook: Rulebook
     assert [deepest(limit) for limit in (needed + 1, needed, needed - 1)] == [needed, needed, needed - 1]
 
 
-def test_the_end_says_that_a_search_stopped_at_its_limit(rulebook: Rulebook) -> None:
+@pytest.mark.parametrize("effort", [1, agent.MOST_EFFORT])
+def test_a_limit_of_searches_is_doubled_before_a_run_ends_for_it_and_the_end_says_so(
+    rulebook: Rulebook, monkeypatch: pytest.MonkeyPatch, effort: int
+) -> None:
+    monkeypatch.setattr(agent, "MOST_EFFORT", effort)
     play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), limits=LIMITS.model_copy(update={"expansions": 3}))
     play.run()
     end = play.turns[-1].end
     assert end is not None
     assert end.reason.startswith("no plan with a probability of at least 0.0001 reaches the goal; ")
-    assert "; not found in detail within the limit: ExamineObj(e1, sodaB), " in end.reason
-    stopped = re.search(r"; stopped after (\d+) expansions \(limits.expansions\)$", end.reason)
-    assert stopped is not None
-    assert 3 < int(stopped[1]) in {decision.expansions for decision in play.turns[-1].decisions}
+    stopped = re.search(r"; stopped after (\d+) expansions \(1 times limits.expansions\)$", end.reason)
+    assert (stopped is not None) == (effort == 1)
+    if stopped is not None:
+        assert "; not found in detail within the limits: ExamineObj(e1, sodaB), " in end.reason
+        assert 3 < int(stopped[1]) in {decision.expansions for decision in play.turns[-1].decisions}
 
 
 def test_the_end_says_of_each_step_whether_it_was_impossible_or_too_unlikely(rulebook: Rulebook) -> None:
@@ -331,7 +337,7 @@ def test_the_end_says_of_each_step_whether_it_was_impossible_or_too_unlikely(rul
     looks = [f"look(soda{name})" for name in "EBC"]
     assert "found impossible in the believed world: ExamineObj(e1, sodaB)" in reason(1e-4, *looks)
     assert "too unlikely" not in reason(1e-4, *looks)
-    assert "; too unlikely in detail: ExamineObj(e1, sodaC);" in reason(0.1)
+    assert "; too unlikely in detail: ExamineObj(e1, sodaC)" in reason(0.1)
 
 
 def test_a_decision_records_its_own_calls_and_atoms_and_how_near_its_plan_is_to_the_best(rulebook: Rulebook) -> None:
