@@ -85,7 +85,8 @@ class BelievedSight:
             seen = ~np.any(left, axis=0).reshape(-1, OUTLINE_POINTS)
             if seen.mean(axis=1).min() >= SEEN_SHARE:
                 return gone
-            most = max((n for n in movable if n not in gone), key=lambda n: int(hidden[n].sum()), default=None)
+            left_over = (n for n in movable if n in hidden and n not in gone)
+            most = max(left_over, key=lambda n: int(hidden[n].sum()), default=None)
             if most is None or not hidden[most].any():
                 return None
             gone = (*gone, most)
