@@ -30,8 +30,9 @@ LIFT_M = 0.10
 LINE_STEP_M = 0.02
 PLACE_YAWS = np.linspace(-1.05, 1.05, 7)
 REACH_M = 1.0  # greatest distance of a tried place from the base's middle
-PICK_TRIES, PLACE_TRIES = 40, 60  # configurations tried
+PICK_TRIES, PLACE_TRIES = 40, 90  # configurations tried
 TRIES_PER_YAW, TRIES_PER_SPOT = 8, 3
+TRIES_PER_ROOM = 24  # places with most room lie in the middle of a table, where an arm may never come
 JOINED_TRIES = 3  # sketches for which paths are planned
 ROOM_STEP_M = 0.04  # places whose room differs by less count as equal
 APPROACH_STREAM, CARRY_STREAM = 1, 2
@@ -156,7 +157,10 @@ class ArmPlanner:
         return None
 
     def place_sketches(self, hand: Hand, support: str, spots: Spots) -> Iterator[PlaceSketch]:
-        """Yield feasible sketches of placing the carried object, most room first."""
+        """Yield feasible sketches of placing the carried object, most room first, easiest configurations first.
+
+        Tries are limited per spot and per level of room, so that they are spread over all of the support in reach.
+        """
         table, carried = self._world.standing[support], self._world.carried[hand]
         places, room = self._reachable(table, spots)
         targets = [
@@ -164,8 +168,10 @@ class ArmPlanner:
         ]
         ranked = self._reaching(hand, targets)
         spot = ranked.pose // len(PLACE_YAWS)
-        order = np.lexsort((np.arange(len(spot)), -np.floor(room / ROOM_STEP_M)[spot]))
-        for k in islice(_at_most(TRIES_PER_SPOT, order, spot), PLACE_TRIES):
+        level = np.floor(room / ROOM_STEP_M).astype(np.intp)[spot]
+        order = np.lexsort((np.arange(len(spot)), -level))
+        per_spot = np.fromiter(_at_most(TRIES_PER_SPOT, order, spot), dtype=np.intp)
+        for k in islice(_at_most(TRIES_PER_ROOM, per_spot, level), PLACE_TRIES):
             sketch = self._place_sketch(hand, table, carried, targets[ranked.pose[k]], ranked.joints[k])
             if sketch is not None:
                 yield sketch

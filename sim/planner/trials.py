@@ -22,9 +22,28 @@ from skolem.traces.messages.poses import wrap_half_open
 Floats = NDArray[np.float64]
 
 STANCE_MARGIN_M = 0.04  # least distance of the robot to all objects where it stops
-CHECKED_STANCES, SKETCHED_STANCES, JOINED_STANCES = 80, 16, 4  # numbers of stances tried, by rising effort
 SAME_M, SAME_RAD = 0.08, 0.2  # stances nearer than this to one that failed are skipped
 SAME_VIEW_M = 0.15  # ... whatever their heading, if the object was hidden
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """The dear tests that a search of stances may make.
+
+    Attributes:
+        sketched: Stances at which the motion of the arm near the object is sought.
+        joined: ... and at which whole motions are planned.
+        apart_m: A stance nearer than this to a failed one, with a heading within `apart_rad` of its, is skipped.
+    """
+
+    sketched: int
+    joined: int
+    apart_m: float
+    apart_rad: float
+
+
+# The likeliest stances first, however near to one another; if none serves, others from all sides, farther apart.
+EFFORTS = (Effort(16, 4, SAME_M, SAME_RAD), Effort(40, 8, 0.2, 0.5))
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,26 +101,41 @@ class Trials:
 
     def serving(self, task: Task, belief: Belief) -> Iterator[Pose2]:
         """Yield the base poses from which an activity can be done and its object or spot is seen, best first."""
-        activity = task.activity
-        looks = activity.hand is None
         candidates, places = self._around(task, belief.world_T_base)
+        asked = [
+            ((float(row[0]), float(row[1]), float(row[2])), places[int(target)])
+            for row, target in zip(candidates.world_T_base, candidates.target, strict=True)
+        ]
+        asked = [pair for pair in asked if self._is_asked_for(pair[0], task.activity, belief)]
         failed: list[Pose2] = []
-        hidden: list[Pose2] = []
-        checked = sketched = joined = 0
-        for row, target in zip(candidates.world_T_base, candidates.target, strict=True):
-            if checked >= CHECKED_STANCES or sketched >= SKETCHED_STANCES or joined >= JOINED_STANCES:
+        for effort in EFFORTS:
+            serves = False
+            for stance in self._tried(task, asked, effort, failed):
+                serves = True
+                yield stance
+            if serves or task.activity.hand is None:
                 return
-            stance = (float(row[0]), float(row[1]), float(row[2]))
-            if not self._is_asked_for(stance, activity, belief):
-                continue
-            if any(is_same(stance, other) for other in failed):
+
+    def _tried(
+        self, task: Task, candidates: list[tuple[Pose2, Floats]], effort: Effort, failed: list[Pose2]
+    ) -> Iterator[Pose2]:
+        """Yield those of the candidate stances that serve; add those that do not to `failed`.
+
+        Cheap tests are not counted: every candidate is tested whether the robot stands there and sees the place.
+        """
+        looks = task.activity.hand is None
+        hidden: list[Pose2] = []
+        sketched = joined = 0
+        for stance, place in candidates:
+            if sketched >= effort.sketched or joined >= effort.joined:
+                return
+            if any(is_same(stance, other, effort.apart_m, effort.apart_rad) for other in failed):
                 continue
             if any(math.dist(stance[:2], other[:2]) < SAME_VIEW_M for other in hidden):
                 continue
-            checked += 1
             if not self.stands(stance):
                 failed.append(stance)
-            elif not self._sees(task, places[int(target)]):
+            elif not self._sees(task, place):
                 (hidden if looks else failed).append(stance)
             elif looks:
                 yield stance
@@ -149,7 +183,6 @@ class Trials:
             return next(self._arms.pick_sketches(hand, activity.anchor), None) is not None
 
 
-def is_same(a: Pose2, b: Pose2) -> bool:
-    """Return whether two base poses are so near that a failure at one implies a failure at the other."""
-    turn = abs(wrap_half_open(a[2] - b[2]))
-    return math.dist(a[:2], b[:2]) < SAME_M and turn < SAME_RAD
+def is_same(a: Pose2, b: Pose2, apart_m: float = SAME_M, apart_rad: float = SAME_RAD) -> bool:
+    """Return whether two base poses are so near that a failure at one implies, or suggests, a failure at the other."""
+    return math.dist(a[:2], b[:2]) < apart_m and abs(wrap_half_open(a[2] - b[2])) < apart_rad
