@@ -137,6 +137,9 @@ class Geometry(Protocol):
         """Return a drive to a base pose from which `activity` can be done; for pick and place, its object is seen."""
         ...
 
-    def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return the movable anchors that block `activity` from every base pose; empty if nothing blocks it."""
+    def blockers(self, activity: Activity) -> tuple[str, ...] | None:
+        """Return the movable anchors that block `activity` from every base pose; empty if nothing blocks it.
+
+        The object of a place need not be in a hand; None: there is no room for it, whatever is taken away.
+        """
         ...

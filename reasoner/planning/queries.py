@@ -167,6 +167,15 @@ class Queries:
         on = tuple(map(self._now.belief.support, self._now.anchors()))
         return frozenset(on), on
 
+    def room(self, thing: Term, support: Term) -> Term | list[Term]:
+        """1 if there is room for an object on a support, perhaps after others are taken away, else 0.
+
+        Empty for an object that is not met yet.
+        """
+        if thing not in self._known or support not in self._known:
+            return []
+        return int(self._now.has_room(str(thing), str(support)))
+
     def distance(self, anchor: str) -> Term:
         """The distance from the base to the anchor, millimetres."""
         mean = self._now.belief.gaussian("pose", anchor).mean

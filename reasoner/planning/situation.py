@@ -153,11 +153,25 @@ class Situation:
         return self.belief.prob_property(anchor, self.meanings[word])
 
     def blockers(self, activity: Term) -> tuple[str, ...]:
-        """Return the anchors that block an activity; there are none while its object is in a hand."""
+        """Return the anchors that block an activity.
+
+        There are none of a look or a pick while its object is in a hand, and none if there is no room for a place
+        whatever is taken away.
+        """
+        match activity:
+            case Compound("place", (str(anchor), str(support), _)):
+                return self._taking_room(anchor, support) or ()
         wanted = self.activity(activity)
         if wanted is None or self.hand_of(wanted.anchor) is not None:
             return ()
-        return self.geometry.blockers(wanted)
+        return self.geometry.blockers(wanted) or ()
+
+    def has_room(self, anchor: str, support: str) -> bool:
+        """Return whether there is room for an object on a support, perhaps after others were taken away."""
+        return self._taking_room(anchor, support) is not None
+
+    def _taking_room(self, anchor: str, support: str) -> tuple[str, ...] | None:
+        return self.geometry.blockers(Activity("place", anchor, self.hand_of(anchor), support))
 
     def hand_of(self, anchor: str) -> Hand | None:
         """Return the hand that holds the anchor."""
@@ -191,7 +205,7 @@ class Situation:
                 return Activity("look_region", region)
             case Compound("place", (str(anchor), str(support), other)):
                 holder = self.hand_of(anchor)
-                clear_of = None if other == "nothing" else self.activity(other)
+                clear_of = None if other == "nothing" else self._to_keep_clear(other)
                 return None if holder is None else Activity("place", anchor, holder, support, clear_of)
             case Compound("weigh", (str(anchor),)):
                 holder = self.hand_of(anchor)
@@ -201,6 +215,13 @@ class Situation:
 
 def _functor(term: Term) -> str:
     return term.name if isinstance(term, Compound) else str(term)
+
+    def _to_keep_clear(self, term: Term) -> Activity | None:
+        """Return an activity that will be done later: the object of a place need not be in a hand yet."""
+        match term:
+            case Compound("place", (str(anchor), str(support), _)):
+                return Activity("place", anchor, self.hand_of(anchor), support)
+        return self.activity(term)
 
 
 def hand_named(name: str) -> Hand:

@@ -20,6 +20,7 @@ from skolem.sim.robot import ik
 from skolem.sim.robot.reach import Reaching, reaching
 from skolem.sim.robot.rotations import rotation
 from skolem.sim.space import grasps
+from skolem.sim.space.room import Disc
 from skolem.traces.messages import Hand, Joints7, Pick, Place, Pose4
 from skolem.traces.messages.arm import CARRY
 from skolem.traces.messages.poses import compose2, compose4, flat, inverse2, inverse4, raised, wrap_half_open
@@ -265,13 +266,18 @@ class ArmPlanner:
 
 def free_spots(world: BelievedWorld, table: Standing, carried: Carried) -> Spots:
     """Return the spots on a table with room for a carried object, best first."""
-    table_T_world = inverse2(flat(table.world_T_object))
-    others = [
-        (*compose2(table_T_world, flat(item.world_T_object))[:2], grasps.widest_half(item.type) + item.spread_m)
-        for item in world.standing.values()
-        if item.type.shape != "table" and (world.table_below(item) is table or item.support == table.anchor)
-    ]
+    others = list(on_table(world, table).values())
     return Spots(*grasps.spots(table.type, carried.type, np.reshape(np.array(others, dtype=np.float64), (-1, 3))))
+
+
+def on_table(world: BelievedWorld, table: Standing) -> dict[str, Disc]:
+    """Return the objects on a table, in its frame."""
+    table_T_world = inverse2(flat(table.world_T_object))
+    return {
+        anchor: (*compose2(table_T_world, flat(item.world_T_object))[:2], grasps.widest_half(item.type) + item.spread_m)
+        for anchor, item in world.standing.items()
+        if item.type.shape != "table" and (world.table_below(item) is table or item.support == table.anchor)
+    }
 
 
 def _at_most(count: int, order: NDArray[np.intp], group: NDArray[np.intp]) -> Iterator[int]:

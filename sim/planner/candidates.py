@@ -11,7 +11,7 @@ from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.standing import Standing
 from skolem.sim.robot import reach
 from skolem.sim.space import grasps
-from skolem.traces.messages import Activity, Hand, Pose2
+from skolem.traces.messages import Activity, Hand, ObjectType, Pose2
 from skolem.traces.messages.poses import compose2, flat
 
 Floats = NDArray[np.float64]
@@ -42,14 +42,24 @@ class Candidates:
         found, cost = stances.around(targets, np.zeros(1), offsets, quality, directions, here)
         return stances.standable(found, cost, self._outlines())
 
-    def around_spots(self, table: Standing, hand: Hand, spots: Spots, here: Pose2) -> tuple[stances.Stances, Floats]:
-        """Return base poses for placing an object on a table, and the spots they are for, in the table's frame."""
+    def around_spots(
+        self, table: Standing, hand: Hand, carried: ObjectType, below_tool_m: float, spots: Spots, here: Pose2
+    ) -> tuple[stances.Stances, Floats]:
+        """Return base poses for placing an object on a table, and the spots they are for, in the table's frame.
+
+        Args:
+            table: The table.
+            hand: The hand that holds the object, now or then.
+            carried: The type of the object.
+            below_tool_m: How far the object's base face is below the tool.
+            spots: The spots.
+            here: Present pose of the base.
+        """
         places, penalty = _spread_out(spots)
-        carried = self._world.carried[hand]
         directions = stances.headings(table.world_T_object[3])
         targets = np.array([compose2(flat(table.world_T_object), (x, y, 0.0))[:2] for x, y in places])
-        height = table.world_T_object[2] + table.type.size_m[2] + grasps.RELEASE_M - carried.tool_T_object[2]
-        found = self._reach_map(hand, height, grasps.back_off(carried.type, 0.0))
+        height = table.world_T_object[2] + table.type.size_m[2] + grasps.RELEASE_M + below_tool_m
+        found = self._reach_map(hand, height, grasps.back_off(carried, 0.0))
         quality = np.tile(found.quality()[:, None], len(directions))
         around, cost = stances.around(targets.reshape(-1, 2), penalty, found.offsets, quality, directions, here)
         return stances.standable(around, cost, self._outlines()), places

@@ -17,11 +17,13 @@ from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.candidates import Candidates
 from skolem.sim.planner.clearing import Clearing
 from skolem.sim.planner.driving import drive
+from skolem.sim.planner.making_room import MakingRoom
 from skolem.sim.planner.surveyor import Surveyor
 from skolem.sim.planner.trials import Task, Trials
 from skolem.sim.planner.ways import Way
 from skolem.sim.robot.assets import robot_sha256
 from skolem.sim.space.activities import Question, key_of
+from skolem.sim.space.room import Room
 from skolem.traces.messages import HANDS, Activity, Belief, Command, Hand, MoveBase, ObjectType, Pose2
 from skolem.traces.messages.poses import compose2, compose4
 
@@ -57,6 +59,8 @@ class PlanningWorld:
         self._clearing = Clearing(self._world, arms, candidates, self._trials, self._surveyor)
         self._answers: dict[Question, Command | None] = {}
         self._ways: dict[Question, Way | None] = {}
+        self._making_room = MakingRoom(self._world, candidates)
+        self._rooms: dict[Question, Room | None] = {}
 
     def close(self) -> None:
         """Close the physics client; later questions fail."""
@@ -66,7 +70,7 @@ class PlanningWorld:
         """Take over a belief; if it equals the last one, answers are kept."""
         if belief != self._belief:
             self._belief = belief
-            self._answers, self._ways = {}, {}
+            self._answers, self._ways, self._rooms = {}, {}, {}
             self._world.update(belief)
             self._surveyor.update(belief)
 
@@ -84,12 +88,16 @@ class PlanningWorld:
         assert answer is None or isinstance(answer, MoveBase)
         return answer
 
-    def blockers(self, activity: Activity) -> tuple[str, ...]:
+    def blockers(self, activity: Activity) -> tuple[str, ...] | None:
         """Return all movable objects that block one way of doing the activity, sorted.
 
         The result is empty if the activity can be done, and if it is impossible even without them. The hand counts as
-        empty.
+        empty. For a place, whose object need not be in a hand, only the room for it and the reach of an arm count;
+        None if there is none even without movable objects.
         """
+        if activity.kind == "place":
+            room = self._room(activity)
+            return None if room is None else room.blockers
         if activity.kind not in CLEARABLE:
             return ()
         with self._world.emptied(activity.hand):
@@ -123,7 +131,8 @@ class PlanningWorld:
             return None
         key = self._key(f"{question} narrow" if narrow else question, activity)
         if key not in self._answers:
-            clear_of = None if activity.clear_of is None else self._way_to_keep(activity.clear_of)
+            later = activity.clear_of
+            clear_of = None if later is None or later.kind == "place" else self._way_to_keep(later)
             self._world.reset()
             with self._world.supposing(activity.anchor), self._world.narrowed() if narrow else contextlib.nullcontext():
                 self._answers[key] = answer(self._task(activity, clear_of))
@@ -135,6 +144,14 @@ class PlanningWorld:
             with self._world.supposing(activity.anchor):
                 self._ways[key] = answer(activity)
         return self._ways[key]
+
+    def _room(self, activity: Activity) -> Room | None:
+        """Return the kept room for a place."""
+        key = self._key("room", activity)
+        if key not in self._rooms:
+            self._world.reset()
+            self._rooms[key] = self._making_room.room(activity, self._believed.world_T_base)
+        return self._rooms[key]
 
     def _key(self, question: str, activity: Activity) -> Question:
         """Return the key of an answer; it has the full hands, since a hand may be taken for empty."""
@@ -163,6 +180,10 @@ class PlanningWorld:
         assert activity.support is not None
         carried, table = self._world.carried[activity.hand], self._world.standing[activity.support]
         spots = arm_motions.free_spots(self._world, table, carried)
+        if activity.clear_of is not None and activity.clear_of.kind == "place":
+            if activity.clear_of.support == activity.support:
+                spots = self._making_room.beside(activity.clear_of, spots, carried.type, self._believed.world_T_base)
+            return Task(activity, spots)
         if clear_of is None:
             return Task(activity, spots)
         top = table.type.size_m[2]

@@ -163,7 +163,9 @@ class Trials:
         if task.spots is None or activity.hand is None or activity.support is None:
             return self._candidates.around_object(activity, here), np.zeros((1, 2))
         table = self._world.standing[activity.support]
-        return self._candidates.around_spots(table, activity.hand, task.spots, here)
+        carried = self._world.carried[activity.hand]
+        below_tool_m = -carried.tool_T_object[2]
+        return self._candidates.around_spots(table, activity.hand, carried.type, below_tool_m, task.spots, here)
 
     def _sees(self, task: Task, place: Floats) -> bool:
         """Return whether the object, or the spot for it in the table's frame, is seen from the robot's present pose."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from skolem.sim.space.grasps import RELEASE_M, spots, widest_half
+from skolem.sim.space.room import Disc, Room, leaves_room, rooms
 from skolem.sim.symbolic.belief import BODY_M, SymbolicBelief
 from skolem.sim.symbolic.hands import FAR_M, SymbolicHands
 from skolem.sim.symbolic.view import head_towards
@@ -25,6 +26,7 @@ from skolem.traces.messages import (
     Pick,
     Place,
     Pose2,
+    Pose4,
     Weigh,
 )
 from skolem.traces.messages.poses import compose2, flat, inverse2, raised
@@ -78,8 +80,14 @@ class SymbolicGeometry:
             return None
         return MoveBase(start_T_waypoint=(compose2(inverse2(self._now.world_T_base), stance),))
 
-    def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return the blockers of the way with the fewest, sorted; empty if that is free or there is no way."""
+    def blockers(self, activity: Activity) -> tuple[str, ...] | None:
+        """Return the blockers of the way with the fewest, sorted; empty if that is free or there is no way.
+
+        For a place, they are those of the spot with the fewest; None if there is no spot whatever is taken away.
+        """
+        if activity.kind == "place":
+            room = self._room(activity)
+            return None if room is None else room.blockers
         way = self._way(activity) if self._is_open(activity) else None
         return () if way is None else way.blockers
 
@@ -148,13 +156,9 @@ class SymbolicGeometry:
         if table.shape != "table":
             return
         world_T_table = flat(believed.object(support).world_T_object)
-        others = []
-        for other in believed.standing():
-            x, y, _ = compose2(inverse2(world_T_table), flat(believed.object(other).world_T_object))
-            if believed.type(other).shape != "table" and abs(x) <= table.size_m[0] and abs(y) <= table.size_m[1]:
-                others.append((x, y, widest_half(believed.type(other))))
+        others = list(self._on_table(support, activity.anchor).values())
         places, _ = spots(table, kind, np.array(others).reshape(-1, 3))
-        is_clear = self._is_clear(activity.clear_of, kind)
+        is_clear = self._is_clear(activity.clear_of, kind, support)
         tried = 0
         for x, y in places.tolist():
             spot = compose2(world_T_table, (x, y, 0.0))
@@ -164,7 +168,52 @@ class SymbolicGeometry:
             if tried == SPOTS:
                 return
 
-    def _is_clear(self, other: Activity | None, kind: ObjectType) -> IsClear:
-        """Return a test of whether an object at a pose leaves room for another activity."""
+    def _room(self, activity: Activity) -> Room | None:
+        """Return the room for an object on a table, in a hand or not; None if there is none or none in reach."""
+        believed, support = self._believed, activity.support
+        if support is None or support not in self._now.objects or believed.type(support).shape != "table":
+            return None
+        on_table = self._on_table(support, activity.anchor)
+        movable = {name: disc for name, disc in on_table.items() if believed.type(name).graspable}
+        fixed = {name: disc for name, disc in on_table.items() if name not in movable}
+        found = rooms(believed.type(support), believed.type(activity.anchor), fixed, movable)
+        return next((room for room in found if self._is_in_reach(support, room.spot)), None)
+
+    def _is_in_reach(self, support: str, spot: tuple[float, float]) -> bool:
+        """Return whether the robot can stand before a spot of a table."""
+        at = compose2(flat(self._believed.object(support).world_T_object), (*spot, 0.0))
+        return bool(self._believed.standoffs(at, support, FAR_M))
+
+    def _on_table(self, support: str, besides: str) -> dict[str, Disc]:
+        """Return the standing objects over a table, but one, in its frame."""
+        believed = self._believed
+        table, table_T_world = believed.type(support), inverse2(flat(believed.object(support).world_T_object))
+        out: dict[str, Disc] = {}
+        for other in believed.standing():
+            kind = believed.type(other)
+            x, y, _ = compose2(table_T_world, flat(believed.object(other).world_T_object))
+            over = abs(x) <= table.size_m[0] and abs(y) <= table.size_m[1]
+            if kind.shape != "table" and over and other != besides:
+                out[other] = (x, y, widest_half(kind))
+        return out
+
+    def _is_clear(self, other: Activity | None, kind: ObjectType, support: str) -> IsClear:
+        """Return a test of whether an object at a pose on a support leaves room for another activity."""
+        if other is not None and other.kind == "place":
+            return self._leaves_room(other, kind) if other.support == support else lambda at: True
         way = None if other is None or not self._is_open(other) else self._way(other)
         return (lambda at: True) if other is None or way is None else self._ways.leaves_room(other, way, kind)
+
+    def _leaves_room(self, other: Activity, kind: ObjectType) -> IsClear:
+        """Return a test of whether an object at a pose leaves the room for another one to be put down."""
+        room, support = self._room(other), other.support
+        if room is None or support is None:
+            return lambda at: True
+        table_T_world = inverse2(flat(self._believed.object(support).world_T_object))
+        wanted = self._believed.type(other.anchor)
+
+        def is_clear(at: Pose4) -> bool:
+            place = np.array([compose2(table_T_world, flat(at))[:2]])
+            return bool(leaves_room(place, kind, room.spot, wanted)[0])
+
+        return is_clear

@@ -211,6 +211,10 @@ class Reference:
         if hand is not None:
             needs = [(compound("krd", o), 0), (compound("held", hand, o), 1)]
             needs += [(compound("aside", other, activity), 0) for other in self._in_front(hand, o, activity)]
+        if self.q.rigid(o) and not self.q.room(str(o), str(s)):
+            return
+        if self.q.rigid(o) and activity == "nothing" and not errand:
+            needs.append((compound("clear", executes), 1))
         needs += [(edges(s), 2), (compound("at", executes), 2)]
         loses = ["holding({o})", "held(any,{o})", "b(on({o},any),any)", "bn(pose({o}),any,any,any,any)"]
         costs = {"lands_elsewhere": LANDING}

@@ -44,8 +44,8 @@ class RecordedGeometry:
         self._log(question("approach", activity), answer)
         return answer
 
-    def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return the objects that block `activity`."""
+    def blockers(self, activity: Activity) -> tuple[str, ...] | None:
+        """Return the objects that block `activity`; None if there is no room for it."""
         with self._watch.part(MOTION_PLANNING):
             found = self._geometry.blockers(activity)
         self._log(question("blockers", activity), blockers=found)

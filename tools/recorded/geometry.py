@@ -56,10 +56,10 @@ class RecalledGeometry:
             return self._ask("approach", activity).approach(activity)
         return known.answer if isinstance(known.answer, MoveBase) else None
 
-    def blockers(self, activity: Activity) -> tuple[str, ...]:
-        """Return the objects that block `activity`."""
+    def blockers(self, activity: Activity) -> tuple[str, ...] | None:
+        """Return the objects that block `activity`; None if there is no room for it."""
         known = self._known.get(question("blockers", activity))
-        return self._ask("blockers", activity).blockers(activity) if known is None else known.blockers or ()
+        return self._ask("blockers", activity).blockers(activity) if known is None else known.blockers
 
     def close(self) -> None:
         """Close the planner, if one was made."""

@@ -37,6 +37,7 @@ RISKS: Final[Mapping[str, str]] = {
     "way": "something happens on the way",
 }
 REFUSALS: Final[Mapping[str, str]] = {
+    "no_room": "there is no room for it, whatever is taken away",
     "not_a_support": "nothing can be put on it",
     "not_graspable": "no hand can grasp it",
     "out_of_reach_of_the_sensor": "the sensor is not good enough to tell",

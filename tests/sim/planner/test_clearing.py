@@ -7,7 +7,7 @@ import pytest
 from kit import believed_scenes as scenes
 
 from skolem.sim.planner.planner import PlanningWorld
-from skolem.traces.messages import Activity, Hand, MoveBase, ObjectBelief, Pick, Place, Pose2
+from skolem.traces.messages import Activity, Hand, MoveBase, ObjectBelief, ObjectType, Pick, Place, Pose2
 from skolem.traces.messages.poses import compose2, compose4, raised
 
 pytestmark = pytest.mark.physics
@@ -34,15 +34,22 @@ def ring(kind: str, radius: float, count: int) -> dict[str, ObjectBelief]:
 RING = ring("bottle", 0.13, 8)
 
 
+def blocking(planner: PlanningWorld, activity: Activity) -> tuple[str, ...]:
+    """Return the blockers of an activity that is possible without them."""
+    found = planner.blockers(activity)
+    assert found is not None
+    return found
+
+
 def test_what_can_be_picked_has_no_blockers(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(scenes.tables() | {"it": TARGET, "aside": ring("soda", 0.25, 4)["n1"]}))
-    assert planner.blockers(PICK) == ()
+    assert blocking(planner, PICK) == ()
 
 
 def test_blockers_are_all_and_only_what_must_go(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(RING))
     assert planner.approach(PICK) is None
-    blockers = planner.blockers(PICK)
+    blockers = blocking(planner, PICK)
     assert 1 <= len(blockers) <= 3
     assert blockers == tuple(sorted(blockers))
     left = {anchor: item for anchor, item in RING.items() if anchor not in blockers}
@@ -50,24 +57,24 @@ def test_blockers_are_all_and_only_what_must_go(planner: PlanningWorld) -> None:
     assert planner.approach(PICK) is not None
     for one in blockers:
         planner.sync(scenes.belief(left | {one: RING[one]}, version=3))
-        assert planner.blockers(PICK) in ((), (one,))
+        assert blocking(planner, PICK) in ((), (one,))
 
 
 def test_what_nothing_can_help_has_no_blockers(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(scenes.tables() | {"it": scenes.believed("soda", (1.3, 0.0, 0.68, 0.0))}))
     assert planner.approach(PICK) is None
-    assert planner.blockers(PICK) == ()
-    assert planner.blockers(Activity("pick", "_o99_", "right")) == ()
+    assert blocking(planner, PICK) == ()
+    assert blocking(planner, Activity("pick", "_o99_", "right")) == ()
 
 
 def test_a_hand_that_holds_a_blocker_counts_as_empty(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(RING))
-    first, *others = planner.blockers(PICK)
+    first, *others = blocking(planner, PICK)
     held = RING | {first: scenes.in_hand(RING[first])}
     planner.sync(scenes.belief(held, version=2))
     assert planner.ready(PICK) is None
-    assert first not in planner.blockers(PICK)
-    assert set(planner.blockers(PICK)) <= set(others)
+    assert first not in blocking(planner, PICK)
+    assert set(blocking(planner, PICK)) <= set(others)
 
 
 def picked(planner: PlanningWorld, objects: dict[str, ObjectBelief], anchor: str) -> tuple[Pick, Pose2]:
@@ -97,7 +104,7 @@ def test_what_is_put_aside_is_in_the_way_no_more(planner: PlanningWorld) -> None
     }
     objects = scenes.tables() | {"it": TARGET} | wall
     planner.sync(scenes.belief(objects))
-    blockers = planner.blockers(PICK)
+    blockers = blocking(planner, PICK)
     assert blockers
     for version, anchor in enumerate(blockers):
         pick, base = picked(planner, objects, anchor)
@@ -112,8 +119,44 @@ def test_what_is_put_aside_is_in_the_way_no_more(planner: PlanningWorld) -> None
         assert isinstance(place, Place)
         objects |= {anchor: released(planner, place, pick)}
         planner.sync(scenes.belief(objects, base, version=40 + version))
-        assert anchor not in planner.blockers(PICK)
-    assert planner.blockers(PICK) == ()
+        assert anchor not in blocking(planner, PICK)
+    assert blocking(planner, PICK) == ()
+
+
+# ---------------------------------------------------------------- room
+
+
+def full(kind: str) -> dict[str, ObjectBelief]:
+    """Return the tables, the first full of things of a type, and an object on another one."""
+    spots = [(-0.3 + 0.12 * i, -0.52 + 0.13 * j) for i in range(6) for j in range(9)]
+    crowd = {f"n{k}": scenes.believed(kind, scenes.on("table1", *at), 0.0, "table1") for k, at in enumerate(spots)}
+    return scenes.tables() | {"it": scenes.believed("soda", scenes.on("table2", -0.2, 0.0), 0.0, "table2")} | crowd
+
+
+ROOM = Activity("place", "it", None, "table1")
+
+
+def test_a_full_table_names_what_takes_the_room_before_anything_is_picked_up(planner: PlanningWorld) -> None:
+    objects = full("soda")
+    planner.sync(scenes.belief(objects))
+    blockers = blocking(planner, ROOM)
+    assert 1 <= len(blockers) <= 2
+    assert blocking(planner, Activity("place", "it", None, "table3")) == ()
+    planner.sync(scenes.belief({a: item for a, item in objects.items() if a not in blockers}, version=2))
+    assert blocking(planner, ROOM) == ()
+
+
+def test_a_table_full_of_what_no_hand_lifts_has_no_room() -> None:
+    crate = ObjectType(shape="box", size_m=(0.25, 0.35, 0.3), graspable=False)
+    planner = PlanningWorld(scenes.TYPES | {"crate": crate}, seed=0)
+    spots = [(-0.15 + 0.3 * i, -0.4 + 0.4 * j) for i in range(2) for j in range(3)]
+    crates = {f"n{k}": scenes.believed("crate", scenes.on("table1", *at), 0.0, "table1") for k, at in enumerate(spots)}
+    thing = {"it": scenes.believed("soda", scenes.on("table2", -0.2, 0.0), 0.0, "table2")}
+    planner.sync(scenes.belief(scenes.tables() | thing | crates))
+    assert planner.blockers(ROOM) is None
+    assert planner.blockers(Activity("place", "it", None, "it")) is None
+    assert planner.blockers(Activity("place", "it", None, "table3")) == ()
+    planner.close()
 
 
 # ---------------------------------------------------------------- looks
@@ -132,7 +175,7 @@ def test_a_can_behind_bottles_is_looked_at_from_another_side(planner: PlanningWo
     look = Activity("look", "it")
     planner.sync(scenes.belief(hidden_can(around=False), (0.3, 0.0, 0.0)))
     assert planner.ready(look) is None
-    assert planner.blockers(look) == ()
+    assert blocking(planner, look) == ()
     move = planner.approach(look)
     assert move is not None
     base = compose2((0.3, 0.0, 0.0), move.start_T_waypoint[-1])
@@ -162,8 +205,8 @@ def test_what_may_be_hidden_is_looked_at_from_where_it_cannot_be(planner: Planni
 def test_blockers_do_not_depend_on_what_was_asked_before(planner: PlanningWorld) -> None:
     look, left = Activity("look", "it"), Activity("pick", "it", "left")
     planner.sync(scenes.belief(RING, version=5))
-    first = [planner.blockers(activity) for activity in (PICK, look, left)]
+    first = [blocking(planner, activity) for activity in (PICK, look, left)]
     planner.sync(scenes.belief(hidden_can(around=True), raised((0.1, 0.1, 0.0))[:3], version=6))
-    planner.blockers(look)
+    blocking(planner, look)
     planner.sync(scenes.belief(RING, version=5))
-    assert [planner.blockers(activity) for activity in (left, look, PICK)][::-1] == first
+    assert [blocking(planner, activity) for activity in (left, look, PICK)][::-1] == first

@@ -93,7 +93,7 @@ def test_blockers_are_those_of_the_way_with_the_fewest() -> None:
 
 def test_what_is_taken_out_of_the_way_is_put_where_it_is_not_in_it() -> None:
     there, step = among(*ring(8, 0.14)), 0
-    [blocker] = geometry(there).blockers(PICK)
+    [blocker] = geometry(there).blockers(PICK) or ()
     take = Activity("pick", blocker, "right")
     do(there, geometry(there).approach(take) or LookAt(pan=0.0, tilt=0.0), step)
     grasp = geometry(there).ready(take)
@@ -109,6 +109,55 @@ def test_what_is_taken_out_of_the_way_is_put_where_it_is_not_in_it() -> None:
     assert isinstance(release, Place)
     do(there, release, 3)
     assert geometry(there).blockers(PICK) == ()
+
+
+# ---------------------------------------------------------------- room on a table
+
+
+def crowd(kind: str, step: float, but: int = -1) -> list[TrueBody]:
+    """Return things of a type all over the first table, the first one in its corner; one of them may be left out."""
+    rows, columns = round(0.66 / step) + 1, round(1.06 / step) + 1
+    spots = [(0.97 + i * step, -0.53 + j * step) for i in range(rows) for j in range(columns)]
+    return [thing_at(f"n{k}", x, y, kind) for k, (x, y) in enumerate(spots) if k != but]
+
+
+PLACE = Activity("place", "other", None, "table1")
+OTHER = TrueBody("other", "soda", (0.0, -1.4, 0.68, 0.0), (0.3, 1.0, 1.0), 0.3)
+
+
+def test_a_full_table_names_what_takes_the_room_for_an_object_that_no_hand_holds_yet() -> None:
+    full = world(bodies=(*BODIES[:2], OTHER, *crowd("soda", 0.132)))
+    blockers = geometry(full).blockers(PLACE)
+    assert blockers is not None
+    assert len(blockers) == 1
+    left = world(bodies=(*BODIES[:2], OTHER, *crowd("soda", 0.132, but=int(blockers[0][1:]))))
+    assert geometry(left).blockers(PLACE) == ()
+
+
+def test_a_table_full_of_what_no_hand_lifts_has_no_room() -> None:
+    believed = SymbolicGeometry(TYPES | {"soda": TYPES["soda"].model_copy(update={"graspable": False})})
+    believed.sync(belief_of(world(bodies=(*BODIES[:2], *crowd("soda", 0.132), thing_at("other", 0.0, -1.4)))))
+    assert believed.blockers(PLACE) is None
+    assert believed.blockers(Activity("place", "other", None, "table2")) == ()
+
+
+def test_an_object_takes_no_room_from_itself() -> None:
+    alone = world(bodies=(*BODIES[:2], OTHER, *crowd("soda", 0.145)))
+    assert geometry(alone).blockers(PLACE) != ()
+    assert geometry(alone).blockers(Activity("place", "n0", None, "table1")) == ()
+
+
+def test_what_makes_room_is_not_put_back_into_it() -> None:
+    full = world(bodies=(*BODIES[:2], OTHER, *crowd("soda", 0.132)))
+    believed = SymbolicGeometry(TYPES)
+    believed.sync(belief_of(full))
+    room = believed._room(PLACE)
+    assert room is not None
+    is_clear = believed._is_clear(PLACE, TYPES["soda"], "table1")
+    assert not is_clear((1.3 + room.spot[0], room.spot[1], 0.68, 0.0))
+    assert not is_clear((1.3 + room.spot[0], room.spot[1] - 0.12, 0.68, 0.0))
+    assert is_clear((1.3 + room.spot[0], room.spot[1] - 0.13, 0.68, 0.0))
+    assert believed._is_clear(PLACE, TYPES["soda"], "table2")((1.3 + room.spot[0], room.spot[1], 0.68, 0.0))
 
 
 # ---------------------------------------------------------------- lines of sight
@@ -148,6 +197,14 @@ def test_what_is_believed_to_be_in_a_thing_does_not_hide_it() -> None:
     assert geometry(among(thing_at("screen", 1.05, 0.0))).ready(LOOK) is None
 
 
+def test_what_stands_in_a_hidden_object_as_is_believed_is_no_hider_to_be_named() -> None:
+    walls = [thing_at(f"n{k}", 1.12 + x, y) for k, (x, y) in enumerate(((-0.075, 0.0), (0.075, 0.0), (0.0, 0.075)))]
+    there = among(*walls, *ring(10, 0.075), thing_at("within", 1.13, 0.0))
+    blockers = geometry(there).blockers(LOOK) or ()
+    assert blockers
+    assert "within" not in blockers
+
+
 def test_something_lower_hides_nothing() -> None:
     there = among(thing_at("low", 0.99, 0.0, "soda"))
     assert geometry(there).ready(LOOK) is not None
@@ -156,7 +213,7 @@ def test_something_lower_hides_nothing() -> None:
 def test_what_hides_an_object_from_all_sides_is_named() -> None:
     there = among(*ring(10, 0.075))
     assert geometry(there).approach(LOOK) is None
-    blockers = geometry(there).blockers(LOOK)
+    blockers = geometry(there).blockers(LOOK) or ()
     assert 1 <= len(blockers) < 6
     left = among(*(body for body in ring(10, 0.075) if body.id not in blockers))
     assert geometry(left).approach(LOOK) is not None
@@ -165,7 +222,7 @@ def test_what_hides_an_object_from_all_sides_is_named() -> None:
 def test_where_something_would_hide_an_object_it_is_not_put() -> None:
     believed = SymbolicGeometry(TYPES)
     believed.sync(belief_of(among()))
-    is_clear = believed._is_clear(LOOK, TYPES["bottle"])
+    is_clear = believed._is_clear(LOOK, TYPES["bottle"], "table1")
     assert not is_clear((1.04, 0.0, 0.68, 0.0))
     assert is_clear((1.04, 0.25, 0.68, 0.0))
     assert is_clear((1.25, 0.0, 0.68, 0.0))
