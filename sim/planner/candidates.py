@@ -17,7 +17,7 @@ from skolem.traces.messages.poses import compose2, flat
 Floats = NDArray[np.float64]
 
 HEIGHT_STEP_M = 0.02  # reach maps are shared by tool heights that round to the same step
-SPOTS, SPOT_APART_M = 40, 0.15  # number and least distance of spots on a table for which stances are sought
+SPOTS, SPOT_APART_M = 24, 0.20  # number and least distance of spots on a table for which stances are sought
 ROOM_COST = 3.0  # per m of room that a spot lacks
 LOOK_DISTANCES, LOOK_BEARINGS = np.array([0.8, 0.95, 1.1, 1.25, 1.4]), np.array([-0.8, -0.4, 0.0, 0.4, 0.8])
 BEST_LOOK_M, LOOK_DISTANCE_COST, LOOK_BEARING_COST = 1.0, 0.5, 0.2

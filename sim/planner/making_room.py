@@ -27,11 +27,10 @@ class MakingRoom:
             return None
         with self._world.narrowed():
             found = self._rooms(activity, self._world.standing[table.anchor], kind)
-            if not found:
-                return None
-            if self._has_stance(activity, table, kind, [each for each in found if not each.blockers], here):
-                return found[0]
-            return next((each for each in found if self._has_stance(activity, table, kind, [each], here)), None)
+            first = next((each for each in found[:1] if self._has_stance(activity, table, kind, [each], here)), None)
+            if first is not None or not self._has_stance(activity, table, kind, found, here):
+                return first
+            return next((each for each in found[1:] if self._has_stance(activity, table, kind, [each], here)), None)
 
     def beside(self, activity: Activity, spots: Spots, thing: ObjectType, here: Pose2) -> Spots:
         """Return the spots for a thing, on the support of a later place, that leave the room for that place."""
@@ -58,7 +57,7 @@ class MakingRoom:
     ) -> bool:
         """Return whether a base can stand where an arm may reach one of some spots."""
         if not found:
-            return False
+            return False  # `around_spots` needs a spot
         places = np.array([each.spot for each in found])
         spots, below = Spots(places, np.full(len(places), grasps.ENOUGH_M)), grasps.tool_height(kind)
         hands = HANDS if activity.hand is None else (activity.hand,)

@@ -27,7 +27,9 @@ class Room:
 
 
 def rooms(table: ObjectType, thing: ObjectType, fixed: Mapping[str, Disc], movable: Mapping[str, Disc]) -> list[Room]:
-    """Return the spots for an object that are free once movable objects are taken away, those with the fewest first.
+    """Return the spots for an object that are free once movable objects are taken away.
+
+    Those with the fewest objects to take away come first, and of those the ones nearest to an edge: an arm reaches them.
 
     Args:
         table: The type of the table.
@@ -39,7 +41,8 @@ def rooms(table: ObjectType, thing: ObjectType, fixed: Mapping[str, Disc], movab
     others = _array(movable)
     gap = np.hypot(places[:, None, 0] - others[:, 0], places[:, None, 1] - others[:, 1])
     crowds = gap - widest_half(thing) - others[:, 2] < NEIGHBOUR_M
-    order = np.argsort(crowds.sum(axis=1), kind="stable")
+    depth = (np.array(table.size_m[:2]) / 2.0 - np.abs(places)).min(axis=1)
+    order = np.lexsort((np.round(depth, 6), crowds.sum(axis=1)))
     names = np.array(list(movable), dtype=object)
     return [Room((float(places[k, 0]), float(places[k, 1])), tuple(sorted(names[crowds[k]]))) for k in order]
 

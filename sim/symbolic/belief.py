@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 
 from skolem.sim.space.doubt import Doubts
 from skolem.sim.space.footprints import Footprint, footprint, overlaps
@@ -111,10 +112,18 @@ class SymbolicBelief:
         """Return whether a base at this pose intersects no table."""
         body = Footprint(world_T_base, (0.0, 0.0), BODY_M - AIR_M)
         return not any(
-            overlaps(body, footprint(self.type(anchor), flat(believed.world_T_object)))
+            math.dist(world_T_base[:2], table.world_T_centre[:2]) <= BODY_M + math.hypot(*table.half_m)
+            and overlaps(body, table)
+            for table in self._tables
+        )
+
+    @cached_property
+    def _tables(self) -> list[Footprint]:
+        return [
+            footprint(self.type(anchor), flat(believed.world_T_object))
             for anchor, believed in self.belief.objects.items()
             if self.type(anchor).shape == "table"
-        )
+        ]
 
     def _edges(self, world_T_target: Pose2, support: str) -> list[tuple[float, float]]:
         """Return the heading into each edge of a table, and the distance of the target behind that edge."""

@@ -49,6 +49,7 @@ class SymbolicGeometry:
             self._believed = SymbolicBelief(self._types, belief)
             self._hands = SymbolicHands(self._believed)
             self._ways = Ways(self._believed, self._hands)
+            self._reached: dict[tuple[str, tuple[float, float]], bool] = {}
 
     def close(self) -> None:
         """Do nothing: there is no physics client."""
@@ -181,8 +182,10 @@ class SymbolicGeometry:
 
     def _is_in_reach(self, support: str, spot: tuple[float, float]) -> bool:
         """Return whether the robot can stand before a spot of a table."""
-        at = compose2(flat(self._believed.object(support).world_T_object), (*spot, 0.0))
-        return bool(self._believed.standoffs(at, support, FAR_M))
+        if (support, spot) not in self._reached:
+            at = compose2(flat(self._believed.object(support).world_T_object), (*spot, 0.0))
+            self._reached[support, spot] = bool(self._believed.standoffs(at, support, FAR_M))
+        return self._reached[support, spot]
 
     def _on_table(self, support: str, besides: str) -> dict[str, Disc]:
         """Return the standing objects over a table, but one, in its frame."""

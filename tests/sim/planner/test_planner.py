@@ -1,3 +1,4 @@
+import dataclasses
 import math
 from collections.abc import Iterator
 from itertools import pairwise
@@ -6,6 +7,7 @@ import numpy as np
 import pytest
 from kit import believed_scenes as scenes
 
+from skolem.sim.planner import trials
 from skolem.sim.planner.believed import BelievedWorld
 from skolem.sim.planner.planner import PlanningWorld
 from skolem.sim.space import grasps
@@ -19,6 +21,7 @@ from skolem.traces.messages import (
     LookAt,
     MoveBase,
     ObjectBelief,
+    ObjectType,
     Pick,
     Place,
     Pose2,
@@ -217,6 +220,31 @@ def test_a_table_without_room_takes_nothing(planner: PlanningWorld) -> None:
     planner.sync(scenes.belief(objects))
     assert planner.ready(Activity("place", "it", "right", "table1")) is None
     assert planner.approach(Activity("place", "it", "right", "table1")) is None
+
+
+def test_a_low_can_gets_onto_an_empty_table() -> None:
+    can = ObjectType(shape="cylinder", size_m=(0.07, 0.07, 0.09), graspable=True)
+    planner = PlanningWorld(scenes.TYPES | {"can": can}, seed=0)
+    place = Activity("place", "it", "left", "table2")
+    held = scenes.in_hand(scenes.believed("can", scenes.on("table1", -0.25, 0.0)), "left", (-0.005, 0.0, -0.054, 0.3))
+    objects = scenes.tables() | {"it": held}
+    planner.sync(scenes.belief(objects))
+    base = driven((0.0, 0.0, 0.0), planner.approach(place))
+    planner.sync(scenes.belief(objects, base, version=2))
+    assert isinstance(planner.ready(place), Place)
+    planner.close()
+
+
+def test_a_search_of_stances_that_found_none_is_widened(
+    planner: PlanningWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pick = Activity("pick", "soda2", "right")
+    likeliest, wider = trials.EFFORTS
+    nothing = dataclasses.replace(likeliest, sketched=0)
+    for efforts, is_found in (((nothing,), False), ((nothing, wider), True)):
+        monkeypatch.setattr(trials, "EFFORTS", efforts)
+        planner.sync(scenes.belief(scenes.sodas(), version=50 + is_found))
+        assert (planner.approach(pick) is not None) == is_found
 
 
 # ---------------------------------------------------------------- driving
