@@ -29,7 +29,7 @@ class Room:
 def rooms(table: ObjectType, thing: ObjectType, fixed: Mapping[str, Disc], movable: Mapping[str, Disc]) -> list[Room]:
     """Return the spots for an object that are free once movable objects are taken away.
 
-    Those with the fewest objects to take away come first, and of those the ones nearest to an edge: an arm reaches them.
+    Those with the fewest objects to take away come first; of those, the ones nearest to an edge, which an arm reaches.
 
     Args:
         table: The type of the table.
