@@ -212,16 +212,16 @@ class Situation:
                 return None if holder is None else Activity("weigh", anchor, holder)
         raise RuleError(f"the rules name the activity {term}; there are {_ACTIVITIES}", _functor(term))
 
-
-def _functor(term: Term) -> str:
-    return term.name if isinstance(term, Compound) else str(term)
-
     def _to_keep_clear(self, term: Term) -> Activity | None:
         """Return an activity that will be done later: the object of a place need not be in a hand yet."""
         match term:
             case Compound("place", (str(anchor), str(support), _)):
                 return Activity("place", anchor, self.hand_of(anchor), support)
         return self.activity(term)
+
+
+def _functor(term: Term) -> str:
+    return term.name if isinstance(term, Compound) else str(term)
 
 
 def hand_named(name: str) -> Hand:
