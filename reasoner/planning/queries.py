@@ -170,9 +170,9 @@ class Queries:
     def room(self, thing: Term, support: Term) -> Term | list[Term]:
         """1 if there is room for an object on a support, perhaps after others are taken away, else 0.
 
-        Empty for an object that is not met yet.
+        Empty for an object that is not met yet or that no hand can hold.
         """
-        if thing not in self._known or support not in self._known:
+        if support not in self._known or self.graspable(thing) != 1:
             return []
         return int(self._now.has_room(str(thing), str(support)))
 

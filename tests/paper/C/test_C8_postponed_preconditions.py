@@ -21,6 +21,11 @@ from kit.runs import Run, over, with_physics
 SODAS = ("sodaE", "sodaB", "sodaC")
 
 
+def about_motions(asked: list[str]) -> list[str]:
+    """Return the questions but those for the room on a support: no motion is computed for these."""
+    return [question for question in asked if not question.startswith("blockers place(")]
+
+
 def test_no_motion_is_asked_for_later_steps_before_the_first_one_is_done() -> None:
     """ "Eventually taking primitive actions without planning in detail for later parts of the plan." """
     play = Play(shipped(), GREEN_TO_TABLE1, three_sodas(), HUES)
@@ -28,7 +33,7 @@ def test_no_motion_is_asked_for_later_steps_before_the_first_one_is_done() -> No
         if turn.action is not None and turn.action.op == "LookAt(sodaC)":
             break
     assert play.geometry.asked
-    assert all("look(" in question for question in play.geometry.asked)
+    assert all("look(" in question for question in about_motions(play.geometry.asked))
 
 
 def test_in_the_example_nothing_is_asked_about_the_desk_before_the_weighing() -> None:
@@ -36,18 +41,18 @@ def test_in_the_example_nothing_is_asked_about_the_desk_before_the_weighing() ->
     play = example()
     asked: list[int] = []
     for turn in play.turns_to_the_end():
-        asked.append(len(play.geometry.asked))
+        asked.append(len(about_motions(play.geometry.asked)))
         if turn.action is not None and turn.action.op == "Weigh(o2)":
             break
-    assert not [q for q in play.geometry.asked if "place(" in q and ", o2, desk" in q]
+    assert not [q for q in about_motions(play.geometry.asked) if "place(" in q and ", o2, desk" in q]
     assert asked[0] <= 6  # before the first action: can it be seen, is it hidden, where to stand
-    assert all("o2" in question for question in play.geometry.asked[: asked[0]])
+    assert all("o2" in question for question in about_motions(play.geometry.asked)[: asked[0]])
 
 
 def assert_postponed(run: Run) -> None:
     """Assert that of each soda only the look is computed until it was looked at, and the place only once it is held."""
     looked = {name: run.where(f"LookAt({name})") for name in SODAS}
-    first = [question for question in run.questions if question.step == 0]
+    first = [q for q in run.questions if q.step == 0 and about_motions([q.query])]
     assert 1 <= len(first) <= 6
     assert all("look(sodaE)" in question.query for question in first)
     for name, look in looked.items():
