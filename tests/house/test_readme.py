@@ -34,7 +34,7 @@ def block() -> str:
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Return what the command behind `make demo` prints; its trace lies elsewhere, under the same name."""
-    asked = ["make", "--no-print-directory", "-n", "demo"]  # tests run under make, which would name the folder it leaves
+    asked = ["make", "--no-print-directory", "-n", "demo"]  # make would name its folder if tests run under it
     recipe = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     _, *arguments = shlex.split(recipe.splitlines()[-1])
     trace = arguments[arguments.index("-o") + 1]
