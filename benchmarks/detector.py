@@ -116,13 +116,15 @@ def measured() -> dict[str, Tally]:
     return tallies
 
 
-def judge(scene: Scene, types: dict[str, ObjectType], tally: Tally) -> None:
+def judge(
+    scene: Scene, types: dict[str, ObjectType], tally: Tally, noise: NoiseModel = NOISE, near_m: float = NEAR_M
+) -> None:
     """Run the detector on a scene, and count the results."""
-    seen = cloud(scene, types, NOISE)
+    seen = cloud(scene, types, noise)
     start = time.process_time()
-    detections = detect(seen, types, NOISE).detections
+    detections = detect(seen, types, noise).detections
     tally.seconds.append(time.process_time() - start)
-    pairs = matched(scene, detections)
+    pairs = matched(scene, detections, near_m)
     tally.asked += len(scene.asked)
     tally.false += len(detections) - len(pairs)
     for i in scene.asked:
@@ -131,13 +133,13 @@ def judge(scene: Scene, types: dict[str, ObjectType], tally: Tally) -> None:
             _compare(scene.things[i], detections[pairs[i]], types, tally)
 
 
-def matched(scene: Scene, detections: tuple[Detection, ...]) -> dict[int, int]:
-    """Return the detection of each detected object: nearest pairs first, and none farther apart than `NEAR_M`."""
+def matched(scene: Scene, detections: tuple[Detection, ...], near_m: float = NEAR_M) -> dict[int, int]:
+    """Return the detection of each detected object: nearest pairs first, and none farther apart than `near_m`."""
     if not detections:
         return {}
     apart = np.array([[math.dist(t.world_T_object[:2], d.base_T_object[:2]) for d in detections] for t in scene.things])
-    rows, columns = linear_sum_assignment(np.minimum(apart, NEAR_M))
-    return {int(i): int(j) for i, j in zip(rows, columns, strict=True) if apart[i, j] < NEAR_M}
+    rows, columns = linear_sum_assignment(np.minimum(apart, near_m))
+    return {int(i): int(j) for i, j in zip(rows, columns, strict=True) if apart[i, j] < near_m}
 
 
 def _compare(thing: Thing, detection: Detection, types: dict[str, ObjectType], tally: Tally) -> None:

@@ -61,7 +61,7 @@ def detect(cloud: Cloud, types: dict[str, ObjectType], noise: NoiseModel) -> See
     """
     whole, is_near = cloud, np.linalg.norm(cloud.points_base - cloud.camera_base, axis=1) < MAX_DISTANCE_M
     cloud = whole.only(is_near)
-    supports = find_supports(cloud.points_base, cloud.camera_base, focal_px(ROWS))
+    supports = find_supports(cloud.points_base, cloud.camera_base, focal_px(ROWS), noise.depth_sd_scale)
     tables = find_tables(whole, supports, {name: kind for name, kind in types.items() if kind.shape == "table"})
     sought = {name: kind for name, kind in sorted(types.items()) if kind.graspable}
     detections = [
@@ -124,7 +124,8 @@ def _clusters(
     tallest = max((kind.size_m[2] for kind in sought.values()), default=0.0)
     free = np.ones(len(cloud.points_base), dtype=bool)
     for support in supports:
-        free &= np.abs(support.height(cloud.points_base)) > CLEARANCE_M
+        flat = np.abs(support.height(cloud.points_base)) < CLEARANCE_M
+        free &= ~(flat & support.covers(cloud.points_base, EDGE_M))
     found = []
     for support in supports:
         height = support.height(cloud.points_base)

@@ -1,7 +1,8 @@
 """Supports: horizontal planes in a point cloud whose vertical is a few degrees off.
 
 Heights are collected in a histogram weighted by the surface area of each pixel; the plane at its peak is fitted by
-trimmed least squares; its points are removed and the search is repeated until no plane is large enough.
+trimmed least squares; its points are removed and the search is repeated until no plane is large enough. A plane holds
+the supports that `patches` finds in it: the tops of many things of one height lie in one plane and are no support.
 """
 
 from dataclasses import dataclass
@@ -10,20 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from skolem.sim.detector.patches import MIN_AREA_M2, MIN_RAY_SLOPE, Plane, patches
+
 BIN_M = 0.01
 PEAK_BINS = 5  # a tilt of 2 degrees spreads a table of 1.2 m over 4 cm
 TRIM_M = (0.045, 0.03, 0.02, 0.015)  # successive distances within which a point belongs to the plane
 NARROW_M, NARROW_SD, NARROW_STEPS = 0.002, 2.5, 3  # at last only the bulk: table edges and feet of objects bias a fit
 MEDIAN_PER_SD = 0.6745  # of the absolute value of a Gaussian
 MAX_SLOPE = 0.1  # of a fitted plane; six sd of a calibration error of 1 degree
-MIN_AREA_M2 = 0.05  # a patch of 22 cm square; the top of a graspable object is smaller
-MAX_SUPPORTS = 6
-MIN_RAY_SLOPE = 0.1  # a flatter ray gives no horizontal area
+MAX_PLANES = 12  # that are tried: the tops and sides of things in a crowd come before a small support
 
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """A horizontal plane: normal . point = offset, over the hull of its visible points.
+    """A patch of a horizontal plane: normal . point = offset, over the hull of its visible points.
 
     Attributes:
         normal: Unit vector, shape (3,), pointing up, base frame.
@@ -56,29 +57,29 @@ class Support:
 
 
 def find_supports(
-    points_base: NDArray[np.float64], camera_base: NDArray[np.float64], focal_px: float
+    points_base: NDArray[np.float64], camera_base: NDArray[np.float64], focal_px: float, depth_sd_scale: float = 1.0
 ) -> tuple[Support, ...]:
-    """Return the horizontal planes in a cloud, highest first.
+    """Return the supports in a cloud, highest first.
 
     Args:
         points_base: Shape (n, 3), metres, base frame, z nearly up.
         camera_base: Position of the camera, shape (3,), base frame.
         focal_px: Focal length of the depth image in pixels.
+        depth_sd_scale: Factor on the standard deviation of depth readings.
     """
     area = _area_per_point(points_base, camera_base, focal_px)
     free = np.ones(len(points_base), dtype=bool)
     found: list[Support] = []
-    for _ in range(MAX_SUPPORTS):
+    for _ in range(MAX_PLANES):
         peak = _peak_height(points_base[free, 2], area[free])
         if peak is None:
             break
-        plane = _fit(points_base[free], peak)
-        near = free & (_distance(points_base, plane) < TRIM_M[-1])
-        if np.hypot(plane[0], plane[1]) < MAX_SLOPE and area[near].sum() >= MIN_AREA_M2:
-            found.append(_support(points_base[near], plane))
-            free &= ~near
-        else:
-            free &= np.abs(points_base[:, 2] - peak) > TRIM_M[0]
+        slope = _fit(points_base[free], peak)
+        near = free & (_distance(points_base, slope) < TRIM_M[-1])
+        plane = Plane(points_base, camera_base, near, slope, area, focal_px, depth_sd_scale)
+        parts = patches(plane) if np.hypot(slope[0], slope[1]) < MAX_SLOPE else []
+        found += [_support(points_base[part], slope) for part in parts]
+        free &= ~near if parts else np.abs(points_base[:, 2] - peak) > TRIM_M[0]
     return tuple(sorted(found, key=lambda support: -float(np.median(support.points[:, 2]))))
 
 
