@@ -13,6 +13,7 @@ SECTIONS: Final = (
     "peers",
     "estimator",
     "detector",
+    "detector_crowds",
     "replays",
     "viewer",
 )  # modules of this folder; each has tables()

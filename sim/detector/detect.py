@@ -14,7 +14,8 @@ from scipy import ndimage
 from skolem.sim.detector.cloud import Cloud
 from skolem.sim.detector.fitting import Fit, fit_type
 from skolem.sim.detector.likelihood import type_log_likelihood
-from skolem.sim.detector.supports import Support, find_supports
+from skolem.sim.detector.packing import packed
+from skolem.sim.detector.supports import Support, area_per_point, find_supports
 from skolem.sim.detector.tables import TableFit, find_tables
 from skolem.sim.space.pinhole import ROWS, focal_px
 from skolem.sim.truth.noise import extrinsic_covariance
@@ -61,8 +62,12 @@ def detect(cloud: Cloud, types: dict[str, ObjectType], noise: NoiseModel) -> See
     """
     whole, is_near = cloud, np.linalg.norm(cloud.points_base - cloud.camera_base, axis=1) < MAX_DISTANCE_M
     cloud = whole.only(is_near)
-    supports = find_supports(cloud.points_base, cloud.camera_base, focal_px(ROWS), noise.depth_sd_scale)
-    tables = find_tables(whole, supports, {name: kind for name, kind in types.items() if kind.shape == "table"})
+    known = {name: kind for name, kind in types.items() if kind.shape == "table"}
+    least_m2 = min((kind.size_m[0] * kind.size_m[1] for kind in known.values()), default=0.0)
+    supports = find_supports(
+        whole.points_base, whole.camera_base, focal_px(ROWS), noise.depth_sd_scale, least_m2, MAX_DISTANCE_M
+    )
+    tables = find_tables(whole, supports, known)
     sought = {name: kind for name, kind in sorted(types.items()) if kind.graspable}
     detections = [
         detection
@@ -123,13 +128,13 @@ def _clusters(
     """Return the connected clusters of points over each support; a point belongs to the highest support below it."""
     tallest = max((kind.size_m[2] for kind in sought.values()), default=0.0)
     free = np.ones(len(cloud.points_base), dtype=bool)
-    for support in supports:
-        flat = np.abs(support.height(cloud.points_base)) < CLEARANCE_M
-        free &= ~(flat & support.covers(cloud.points_base, EDGE_M))
+    heights = [support.height(cloud.points_base) for support in supports]
+    covered = [support.covers(cloud.points_base, EDGE_M) for support in supports]
+    for height, inside in zip(heights, covered, strict=True):
+        free &= ~(inside & (np.abs(height) < CLEARANCE_M))
     found = []
-    for support in supports:
-        height = support.height(cloud.points_base)
-        over = free & (height > CLEARANCE_M) & support.covers(cloud.points_base, EDGE_M)
+    for support, height, inside in zip(supports, heights, covered, strict=True):
+        over = free & inside & (height > CLEARANCE_M)
         free &= ~over
         band = cloud.only(over & (height < tallest + 2.0 * HEADROOM_M))
         found += [(support, cluster) for cluster in _connected(band) if _is_whole(cluster, support, tallest)]
@@ -164,12 +169,24 @@ def _explained(
     whole = _detection(cluster, support, sought, noise)
     if whole is not None or splits == 0:
         return [] if whole is None else [whole]
+    if splits == MAX_SPLITS and (apart := _packed(cluster, support, sought, noise)):
+        return apart
     half = _beyond_waist(cluster.points_base)
     parts = (cluster.only(half), cluster.only(~half))
     if min(len(part.points_base) for part in parts) < MIN_POINTS:
         return []
     halves = [_explained(part, support, sought, noise, splits - 1) for part in parts]
     return halves[0] + halves[1] if all(halves) else []
+
+
+def _packed(cluster: Cloud, support: Support, sought: dict[str, ObjectType], noise: NoiseModel) -> list[Detection]:
+    """Return the detections in a cluster whose tops the outlines of types make up; none if a part is not explained."""
+    feet, heights = support.foot(cluster.points_base)[:, :2], support.height(cluster.points_base)
+    area = area_per_point(cluster.points_base, cluster.camera_base, focal_px(ROWS))
+    parts = packed(feet, heights, area, sought)
+    found = [_detection(cluster.only(part.mask), support, sought, noise, part.xy_theta) for part in parts]
+    explained = [detection for detection in found if detection is not None]
+    return explained if len(explained) == len(parts) else []
 
 
 def _beyond_waist(points: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -184,10 +201,16 @@ def _beyond_waist(points: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.asarray(along > waist)
 
 
-def _detection(cluster: Cloud, support: Support, sought: dict[str, ObjectType], noise: NoiseModel) -> Detection | None:
-    """Return the detection of a cluster, or None if no type explains it."""
+def _detection(
+    cluster: Cloud,
+    support: Support,
+    sought: dict[str, ObjectType],
+    noise: NoiseModel,
+    start: NDArray[np.float64] | None = None,
+) -> Detection | None:
+    """Return the detection of a cluster, or None if no type explains it; its fits may be given a start pose."""
     feet, heights = support.foot(cluster.points_base)[:, :2], support.height(cluster.points_base)
-    fits = {name: fit_type(feet, heights, cluster.camera_base[:2], kind) for name, kind in sought.items()}
+    fits = {name: fit_type(feet, heights, cluster.camera_base[:2], kind, start) for name, kind in sought.items()}
     distance_m = float(np.linalg.norm(cluster.points_base.mean(axis=0) - cluster.camera_base))
     likelihood = {
         name: type_log_likelihood(fit.height_error_m, fit.outline_error_m, distance_m) for name, fit in fits.items()

@@ -15,6 +15,7 @@ from skolem.sim.detector.cloud import Cloud
 from skolem.sim.detector.supports import Support
 
 ON_M = 0.015  # points this near a plane show it
+BESIDE_M = 0.03  # points this far beside a support's hull may be of it
 REACH_M = 2.4  # from the camera; beyond it depth errors hide the step between a plane and points below it
 GAP_PX = 3  # a depth camera loses a pixel on either side of an edge
 RUN_PX = 3  # most of so many pixels in a row must lie below the plane
@@ -44,15 +45,16 @@ class Top:
 
 
 def tops(cloud: Cloud, support: Support) -> list[Top]:
-    """Return the connected parts of a plane, largest first.
+    """Return the connected parts of a support's plane over its hull, largest first.
 
     Args:
         cloud: All seen points, in the order of their pixels.
-        support: The plane.
+        support: The support.
     """
     height = support.height(cloud.points_base)
     near = np.linalg.norm(cloud.points_base - cloud.camera_base, axis=1) < REACH_M
     on, below = near & (np.abs(height) < ON_M), height < -ON_M
+    on[on] = support.covers(cloud.points_base[on], BESIDE_M)
     crossing = _crossings(cloud, height, support)
     foot = support.foot(cloud.points_base)[:, :2]
     part = _parts(foot, on)

@@ -51,7 +51,11 @@ class Fit:
 
 
 def fit_type(
-    outline_points: NDArray[np.float64], heights: NDArray[np.float64], camera_xy: NDArray[np.float64], kind: ObjectType
+    outline_points: NDArray[np.float64],
+    heights: NDArray[np.float64],
+    camera_xy: NDArray[np.float64],
+    kind: ObjectType,
+    start: NDArray[np.float64] | None = None,
 ) -> Fit:
     """Return the best fit of a type to a cluster.
 
@@ -60,18 +64,21 @@ def fit_type(
         heights: Their heights above the support, shape (n,), metres.
         camera_xy: Position of the camera, shape (2,); the far side of the object is not seen from there.
         kind: Shape and size of the type.
+        start: A start pose (x, y, theta) beside those behind the seen side; it wins if others fit equally well.
     """
     every = len(heights) // MAX_POINTS + 1
     feet, is_top = outline_points[::every], heights[::every] > kind.size_m[2] - TOP_M
-    distance = _distance_to(kind)
+    distance = distance_to(kind)
 
     def residual(pose: NDArray[np.float64]) -> NDArray[np.float64]:
         signed = distance(feet, pose)
         return np.where(is_top, np.maximum(signed, 0.0), signed)
 
     fits = [
-        least_squares(residual, start, loss="soft_l1", f_scale=OUTLIER_M, max_nfev=MAX_EVALUATIONS)
-        for start in _starts(feet, camera_xy, kind)
+        least_squares(residual, pose, loss="soft_l1", f_scale=OUTLIER_M, max_nfev=MAX_EVALUATIONS)
+        for pose in (
+            ([] if start is None else [start[: 2 if kind.shape == "cylinder" else 3]]) + _starts(feet, camera_xy, kind)
+        )
     ]
     best = min(fits, key=lambda fit: float(fit.cost))
     left = residual(best.x)
@@ -101,7 +108,7 @@ def _starts(feet: NDArray[np.float64], camera_xy: NDArray[np.float64], kind: Obj
     return [np.array([*start, k * math.pi / YAW_STARTS]) for k in range(YAW_STARTS)]
 
 
-def _distance_to(kind: ObjectType) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
+def distance_to(kind: ObjectType) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
     """Return the function that gives the signed distance of points (n, 2) from a type's outline at a pose.
 
     The distance is negative inside.

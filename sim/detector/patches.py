@@ -1,8 +1,9 @@
 """Patches: the connected parts of a plane in a point cloud that are large enough to stand things on.
 
 A plane through a cloud may hold a table, and it may hold the tops of many things of one height. A patch is connected in
-itself and has no holes: a ray that crosses it and goes on to something below shows that nothing is there. What stands
-on a patch hides parts of it; pieces that only such a shadow parts belong to one patch.
+itself and has no holes: a ray that crosses it and goes on to something below shows that nothing is there. If such rays
+are seen all around a patch, it is as large as a known table. What stands on a patch hides parts of it; pieces that only
+such a shadow parts belong to one patch.
 """
 
 from dataclasses import dataclass
@@ -21,6 +22,8 @@ MIN_CELL_M, MAX_CELL_M = 0.015, 0.06
 HOLE_M = 0.12  # holes at most this wide between tops are seen as holes, wider ones part them
 MAX_THROUGH = 0.02  # greatest share of rays through a patch, relative to its points
 MIN_RAY_SLOPE = 0.1  # a flatter ray gives no horizontal area
+RING_CELLS, ENDS = (1, 3), 0.8  # a patch ends where rays go through most cells of a ring around it
+WHOLE_SHARE = 0.5  # of the area of the smallest known table: a patch of which every end is seen is larger
 TOUCHING = np.ones((3, 3), dtype=bool)
 
 Mask = NDArray[np.bool_]
@@ -39,6 +42,7 @@ class Plane:
         area: Horizontal area that each point stands for, shape (n,), square metres.
         focal_px: Focal length of the depth image in pixels.
         depth_sd_scale: Factor on the standard deviation of depth readings.
+        table_m2: Area of the smallest known table.
     """
 
     points: Array
@@ -48,6 +52,7 @@ class Plane:
     area: Array
     focal_px: float
     depth_sd_scale: float
+    table_m2: float
 
 
 def patches(plane: Plane) -> list[Mask]:
@@ -64,6 +69,8 @@ def patches(plane: Plane) -> list[Mask]:
     area = np.bincount(of_point, weights=plane.area[plane.near], minlength=number + 1)
     large = [index for index in range(1, number + 1) if area[index] >= MIN_AREA_M2]
     whole = [index for index in large if not _has_holes(piece == index, on, through, grid.cell_m)]
+    small = WHOLE_SHARE * plane.table_m2
+    whole = [index for index in whole if area[index] >= small or not _ends_in_view(piece == index, through)]
     joined, _ = ndimage.label((on > 0) | (shadow > 0), structure=TOUCHING)
     kept = np.unique(joined[np.isin(piece, whole)])
     masks = []
@@ -81,6 +88,14 @@ def _has_holes(piece: Mask, on: NDArray[np.int64], through: NDArray[np.int64], c
     filled = ndimage.binary_closing(room, structure=TOUCHING, iterations=reach)
     inner = ndimage.binary_erosion(filled, structure=TOUCHING)[reach + 1 : -reach - 1, reach + 1 : -reach - 1]
     return bool(through[inner].sum() > MAX_THROUGH * on[piece].sum())
+
+
+def _ends_in_view(piece: Mask, through: NDArray[np.int64]) -> bool:
+    """Return whether rays go past a connected piece on all sides, so that it is no larger than what is seen of it."""
+    width = RING_CELLS[1]
+    room = np.pad(piece, width)
+    near, far = (ndimage.binary_dilation(room, structure=TOUCHING, iterations=cells) for cells in RING_CELLS)
+    return bool((np.pad(through, width)[far & ~near] > 0).mean() >= ENDS)
 
 
 def _crossings(plane: Plane, above: Array, chosen: Mask) -> Array:
@@ -114,7 +129,8 @@ class _Grid:
         slope = max(float(np.median(-ray[:, 2] / distance)), MIN_RAY_SLOPE)
         noise = plane.depth_sd_scale * float(axial_sd(np.array(far)))
         cell = float(np.clip(CELL_STEPS * far / plane.focal_px / slope + CELL_SDS * noise, MIN_CELL_M, MAX_CELL_M))
-        low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+        room = (RING_CELLS[1] + 1) * cell
+        low, high = points[:, :2].min(axis=0) - room, points[:, :2].max(axis=0) + room
         rows, columns = (int(value) + 1 for value in (high - low) / cell)
         return cls(low, cell, (rows, columns))
 

@@ -57,7 +57,12 @@ class Support:
 
 
 def find_supports(
-    points_base: NDArray[np.float64], camera_base: NDArray[np.float64], focal_px: float, depth_sd_scale: float = 1.0
+    points_base: NDArray[np.float64],
+    camera_base: NDArray[np.float64],
+    focal_px: float,
+    depth_sd_scale: float = 1.0,
+    table_m2: float = 0.0,
+    reach_m: float = np.inf,
 ) -> tuple[Support, ...]:
     """Return the supports in a cloud, highest first.
 
@@ -66,9 +71,11 @@ def find_supports(
         camera_base: Position of the camera, shape (3,), base frame.
         focal_px: Focal length of the depth image in pixels.
         depth_sd_scale: Factor on the standard deviation of depth readings.
+        table_m2: Area of the smallest known table.
+        reach_m: Greatest distance from the camera of a support's points; farther ones only show what is not there.
     """
-    area = _area_per_point(points_base, camera_base, focal_px)
-    free = np.ones(len(points_base), dtype=bool)
+    area = area_per_point(points_base, camera_base, focal_px)
+    free = np.linalg.norm(points_base - camera_base, axis=1) < reach_m
     found: list[Support] = []
     for _ in range(MAX_PLANES):
         peak = _peak_height(points_base[free, 2], area[free])
@@ -76,14 +83,14 @@ def find_supports(
             break
         slope = _fit(points_base[free], peak)
         near = free & (_distance(points_base, slope) < TRIM_M[-1])
-        plane = Plane(points_base, camera_base, near, slope, area, focal_px, depth_sd_scale)
+        plane = Plane(points_base, camera_base, near, slope, area, focal_px, depth_sd_scale, table_m2)
         parts = patches(plane) if np.hypot(slope[0], slope[1]) < MAX_SLOPE else []
         found += [_support(points_base[part], slope) for part in parts]
         free &= ~near if parts else np.abs(points_base[:, 2] - peak) > TRIM_M[0]
     return tuple(sorted(found, key=lambda support: -float(np.median(support.points[:, 2]))))
 
 
-def _area_per_point(points: NDArray[np.float64], camera: NDArray[np.float64], focal_px: float) -> NDArray[np.float64]:
+def area_per_point(points: NDArray[np.float64], camera: NDArray[np.float64], focal_px: float) -> NDArray[np.float64]:
     """Return the horizontal surface area of each pixel, shape (n,), square metres; 0 for rays that go up."""
     ray = points - camera
     distance = np.linalg.norm(ray, axis=1)

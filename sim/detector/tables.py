@@ -90,8 +90,8 @@ def find_tables(cloud: Cloud, supports: tuple[Support, ...], types: dict[str, Ob
         if sought:
             empty = passed(cloud, support, SLACK_M)
             fits = [_fit(top, support, empty, sought) for top in tops(cloud, support) if len(top.inside) >= MIN_POINTS]
-            found += _each_once([fit for fit in fits if fit is not None], types)
-    return found
+            found += [fit for fit in fits if fit is not None]
+    return _each_once(found, types)
 
 
 def _is_as_high(support: Support, kind: ObjectType) -> bool:
