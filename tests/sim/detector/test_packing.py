@@ -12,8 +12,8 @@ CARTON = ObjectType(shape="box", size_m=(0.06, 0.09, 0.14), graspable=True)
 
 def top(kind: ObjectType, x: float, y: float) -> NDArray[np.float64]:
     """Return points of the top of a thing at a place, shape (n, 3)."""
-    u, v = np.meshgrid(*(np.arange(-0.06, 0.06, STEP_M) + STEP_M / 2.0,) * 2)
-    u, v = u.ravel(), v.ravel()
+    steps = np.arange(-0.06, 0.06, STEP_M) + STEP_M / 2.0
+    u, v = np.array([(along, across) for along in steps for across in steps]).T
     half = np.array(kind.size_m[:2]) / 2.0
     inside = np.hypot(u, v) < half[0] if kind.shape == "cylinder" else (np.abs(u) < half[0]) & (np.abs(v) < half[1])
     return np.column_stack([u[inside] + x, v[inside] + y, np.full(int(inside.sum()), kind.size_m[2])])
