@@ -212,9 +212,9 @@ def _why_not_all(tallies: dict[str, Tally]) -> Iterator[str]:
     mistaken = {name for name, tally in tallies.items() if tally.right < tally.found}
     if TOUCHING in missed | mistaken:
         yield (
-            "Things that touch are told apart where their cluster has a waist. A box and a cylinder side by side have "
-            "none: they are taken for one thing, or cut in the wrong place. Where things of unlike height touch, the "
-            "cut leaves points of the higher one with the lower, which is then taken for the higher type."
+            "Things that touch are told apart where outlines of types make up their tops, or where their cluster has a "
+            "waist; else they are taken for one thing, or cut in the wrong place. Where things of unlike height touch, "
+            "the cut leaves points of the higher one with the lower, which is then taken for the higher type."
         )
     if CLUTTER in missed:
         yield "In clutter a thing is missed that stands right behind a higher one."

@@ -2,7 +2,7 @@
 
 Its only inputs are the cloud and the types. It does not report an object that the border of the image cuts, whose top
 is hidden behind something nearer, that stands on no support in view, or that no type explains. Objects that touch each
-other are separated where their cluster has a waist.
+other are separated where the outlines of types make up their tops, or where their cluster has a waist.
 """
 
 from dataclasses import dataclass
