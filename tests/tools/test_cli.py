@@ -35,6 +35,7 @@ JSON_FIELDS = [
     "reason",
     "anchor",
     "witness",
+    "displaced",
     "goal_probability",
     "conjuncts",
     "regions",

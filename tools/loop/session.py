@@ -13,6 +13,7 @@ from google.protobuf.message import Message as Protobuf
 
 from skolem.reasoner import Turn
 from skolem.sim.scenario.scenario import believed_noise, moves_before, prior_of, true_bodies
+from skolem.tools.loop.displaced import displaced, in_all
 from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.setup import Setup, run_start
 from skolem.tools.loop.source import SOURCE_SHA256
@@ -22,7 +23,7 @@ from skolem.tools.loop.worlds import World, WorldStart
 from skolem.traces import TraceWriter, messages
 from skolem.traces.file.environment import environment
 from skolem.traces.file.made_of import RULES, SCENARIO
-from skolem.traces.messages import DROPPED, Action, ActionResult, Observation, RunEnd
+from skolem.traces.messages import DROPPED, Action, ActionResult, Observation, RunEnd, TrueState
 
 
 class Watcher(Protocol):
@@ -132,6 +133,7 @@ class _Run:
         self._writer = writer
         self._tick: Callable[[], int] = lambda: 0
         self._believed: messages.Belief | None = None
+        self._displaced: list[messages.Displaced] = []
 
     def to_the_end(self) -> None:
         """Build the world, run the loop, and judge the result."""
@@ -181,21 +183,29 @@ class _Run:
         step = action.step
         for name, world_T_object in moves_before(self._setup.scenario, self._setup.types, step):
             world.disturb(name, world_T_object)
+        before = world.state(step)
         with self._watch.part(SENSING if action.command.kind == "look_at" else PHYSICS):
             result, observation = world.execute(action)
         self._outcome.actions, self._outcome.tick = step + 1, world.tick
         self._write("/action/result", result)
         self._write("/obs", observation)
-        self._write("/truth/state", world.state(step + 1))
+        self._write("/truth/state", self._compared(before, world.state(step + 1)))
         self._watcher.acted(action, result, observation)
         mind.update(action, result, observation)
         self._close_step(step)
+
+    def _compared(self, before: TrueState, after: TrueState) -> TrueState:
+        """Return the true state after an action with what the action displaced without intent."""
+        found = displaced(before, after)
+        self._displaced += found
+        return after.model_copy(update={"displaced": found})
 
     def _judge(self, world: World, step: int, end: RunEnd) -> None:
         """Record whether the goal is true in the world, and then the end of the run."""
         setup = self._setup
         state, rulebook = world.state(step), setup.rulebook
-        self._outcome.verdict = verdict(setup.goal, rulebook, state, setup.types)
+        judged = verdict(setup.goal, rulebook, state, setup.types)
+        self._outcome.verdict = judged.model_copy(update={"displaced": in_all(self._displaced)})
         assert self._believed is not None, "a run that ends by itself has taken a decision"
         self._outcome.own = own_makes_it_true(setup.goal, rulebook, state, setup.types, self._believed, end.anchor)
         self._write("/truth/verdict", self._outcome.verdict)

@@ -15,6 +15,7 @@ from skolem.tools.words.terminal import output, say
 from skolem.traces.errors import InputError, SkolemError, UnwrittenError
 from skolem.traces.file.writer import partial_of
 from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
+from skolem.traces.wording.verdicts import displaced_text
 from skolem.traces.wording.wording import Wording
 
 EXIT: dict[RunStatus, int] = {
@@ -83,6 +84,7 @@ def summary(setup: Setup, outcome: Outcome, status: RunStatus, reason: str, trac
         "reason": reason,
         "anchor": None if end is None else end.anchor,
         "witness": None if judged is None else judged.witness,
+        "displaced": None if judged is None else {item.id: item.distance_m for item in judged.displaced},
         "goal_probability": None if end is None else end.goal_probability,
         "conjuncts": {} if end is None else end.conjuncts,
         "regions": {} if end is None else end.regions,
@@ -117,6 +119,8 @@ def verdict_lines(outcome: Outcome, status: RunStatus, reason: str, trace: Path,
         witness = f" ({outcome.verdict.witness})" if outcome.verdict.witness else ""
         other = ", but not of the object that the robot has in mind" if outcome.verdict.true and not outcome.own else ""
         lines.append(f"true in the simulator: {'yes' + witness + other if outcome.verdict.true else 'no'}")
+        if outcome.verdict.displaced:
+            lines.append(f"displaced without intent: {displaced_text(outcome.verdict.displaced)}")
     if outcome.content_hash:
         lines.append(f"trace: {trace} (content {outcome.content_hash[:12]})")
     return "\n".join(lines).splitlines()

@@ -13,6 +13,7 @@ from skolem.tools.words.trace_account import Account, account
 from skolem.traces import Trace
 from skolem.traces.messages import CLASS_OF
 from skolem.traces.wording.of_run import wording_of
+from skolem.traces.wording.verdicts import displaced_text
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -49,6 +50,7 @@ def _fields(run: Trace, found: Account) -> dict[str, object]:
         "goal_probability": None if end is None else end.goal_probability,
         "true": None if verdict is None else verdict.true,
         "witness": None if verdict is None else verdict.witness,
+        "displaced": None if verdict is None else {item.id: item.distance_m for item in verdict.displaced},
         "steps": found.steps,
         "simulated_s": round(found.simulated_s, 3),
         "replans": found.replans,
@@ -89,6 +91,8 @@ def _lines(run: Trace, found: Account) -> Iterator[str]:
     if found.verdict is not None:
         witness = f" ({found.verdict.witness})" if found.verdict.witness else ""
         yield f"true         {'yes' if found.verdict.true else 'no'}{witness}"
+        if found.verdict.displaced:
+            yield f"displaced    {displaced_text(found.verdict.displaced)} (without intent)"
     yield f"steps        {found.steps}, {found.simulated_s:.1f} s simulated"
     yield f"executed     {_counts(found.executed)}"
     yield f"planned      {_counts(found.planned)}"

@@ -53,6 +53,7 @@ class Row:
         conjuncts: Probability of each property or fluent of the candidate.
         regions: Share of each region that has been seen.
         witness: A true object that makes the goal true.
+        displaced: What the robot displaced without intent, each object with its way in metres.
         sequence: The executed operators with their arguments.
         reason: Why the run ended.
         trace: Name of the trace; empty if there is none, because every worker that ran it died.
@@ -78,6 +79,7 @@ class Row:
     conjuncts: tuple[str, ...]
     regions: tuple[str, ...]
     witness: str | None
+    displaced: tuple[str, ...]
     sequence: tuple[str, ...]
     reason: str
     trace: str
@@ -147,6 +149,7 @@ def read_row(trace: Trace, name: str, setup: Setup) -> Row:
         conjuncts=_shares(end.conjuncts),
         regions=_shares(end.regions),
         witness=None if judged is None else judged.witness,
+        displaced=() if judged is None else _shares({item.id: item.distance_m for item in judged.displaced}),
         sequence=tuple(action.op for action in trace.of(Action)),
         reason=end.reason,
         trace=name,
@@ -187,6 +190,7 @@ def lost_row(start: RunStart, expected: RunStatus, reason: str) -> Row:
         conjuncts=(),
         regions=(),
         witness=None,
+        displaced=(),
         sequence=(),
         reason=reason,
         trace="",

@@ -79,7 +79,7 @@ from .topics import (
     TRUTH as TRUTH,
     TopicClass as TopicClass,
 )
-from .truth import TrueObject as TrueObject, TrueState as TrueState, Verdict as Verdict
+from .truth import Displaced as Displaced, TrueObject as TrueObject, TrueState as TrueState, Verdict as Verdict
 from .words import (
     HsvVolume as HsvVolume,
     Meaning as Meaning,

@@ -17,6 +17,13 @@ class TrueObject(Message):
     in_hand: Hand | None = None
 
 
+class Displaced(Message):
+    """An object that the robot displaced without intent."""
+
+    id: str
+    distance_m: float = Field(description="of its place after the action from that before; of several: their sum")
+
+
 class TrueState(Message):
     """The simulated world: for verdicts and viewers, never for the robot."""
 
@@ -24,6 +31,9 @@ class TrueState(Message):
     world_T_base: Pose2
     objects: tuple[TrueObject, ...]
     sha256: str = Field(description="of joint and body positions and velocities, little-endian float64")
+    displaced: tuple[Displaced, ...] = Field(
+        default=(), description="without intent, by the last action: of what no hand held before or after it"
+    )
 
 
 class Verdict(Message):
@@ -31,3 +41,6 @@ class Verdict(Message):
 
     true: bool
     witness: str | None = Field(default=None, description="a true object that makes it so")
+    displaced: tuple[Displaced, ...] = Field(
+        default=(), description="without intent, in the whole run; each object once, by name"
+    )

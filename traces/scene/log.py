@@ -6,6 +6,7 @@ import rerun as rr
 
 from skolem.traces.messages import DROPPED, Action, ActionResult, Decision, Observation, Plan, RunEnd, Verdict
 from skolem.traces.scene.rows import Rows, When
+from skolem.traces.wording.verdicts import displaced_text
 from skolem.traces.wording.wording import AS_RECORDED, Wording
 
 
@@ -61,6 +62,8 @@ class Log:
         """Write whether the goal holds in the true world."""
         witness = f" ({verdict.witness})" if verdict.witness else ""
         self._say(when, "INFO", f"true in the simulator: {'yes' if verdict.true else 'no'}{witness}")
+        if verdict.displaced:
+            self._say(when, "WARN", f"displaced without intent: {displaced_text(verdict.displaced)}")
 
     def _say(self, when: When, level: str, text: str) -> None:
         self._rows.add("log", when, rr.TextLog(text, level=level))

@@ -37,6 +37,7 @@ def row(
         conjuncts=("green 0.97", "exists 0.99"),
         regions=("_reg1_ 0.92",),
         witness="sodaC" if true else None,
+        displaced=(),
         sequence=tuple(ops),
         reason="because\nof it",
         trace=f"sim1-{seed}.mcap",
