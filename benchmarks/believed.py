@@ -18,6 +18,7 @@ from skolem.traces.messages import (
     Belief,
     Command,
     Hand,
+    HsvUnion,
     HsvVolume,
     LookAt,
     Meaning,
@@ -96,6 +97,8 @@ class Imagined(PlainBelief):
                 return 0.0 if thing.table else 1.0 - thing.can
             case TypeIs():
                 return 0.0
+            case HsvUnion(boxes=boxes):
+                return max(self.prob_property(anchor, box) for box in boxes)
             case HsvVolume(hue=(low, high)):
                 return thing.green if low < GREEN < high else 0.0
         mean, sd = thing.ln_kg

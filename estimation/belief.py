@@ -43,8 +43,8 @@ from skolem.traces.errors import InternalError
 from skolem.traces.messages import (
     GRAVITY,
     HANDS,
+    ColourMeaning,
     Hand,
-    HsvVolume,
     Meaning,
     ObjectBelief,
     Pose2,
@@ -292,7 +292,7 @@ class Belief:
         track = self._tracks[anchor]
         if isinstance(meaning, TypeIs):
             return track.types.prob_favourable(meaning.type, p)
-        if isinstance(meaning, HsvVolume):
+        if isinstance(meaning, ColourMeaning):
             return _colour_favourable(track.colour, meaning, p)
         return _weight_favourable(track.weight, meaning, p)
 
@@ -362,6 +362,6 @@ def _prob(track: Track, meaning: Meaning) -> float:
     """Return P(the object has the property), given that it exists."""
     if isinstance(meaning, TypeIs):
         return track.types.prob(meaning.type)
-    if isinstance(meaning, HsvVolume):
+    if isinstance(meaning, ColourMeaning):
         return _colour_prob(track.colour, meaning)
     return _weight_prob(track.weight, meaning)

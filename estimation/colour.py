@@ -15,7 +15,7 @@ from scipy.special import ndtr, ndtri
 
 from skolem.estimation.attributes import ROUNDING
 from skolem.estimation.colour_grid import COARSE, FINE, LEAST_VARIANCE, ColourGrid, Readings, Triple, colour_grid
-from skolem.traces.messages import HsvBelief, HsvVolume
+from skolem.traces.messages import ColourMeaning, HsvBelief, HsvVolume
 
 Array = NDArray[np.float64]
 UNIFORM_SD = 12**-0.5  # of a hue of which nothing is known
@@ -26,6 +26,7 @@ LEAST_SD = 1e-4  # of a channel; a sensor without noise
 CLIPPED_SDS, CLIPPED_PRECISION = math.sqrt(math.pi / 2.0), 2.0 / math.pi
 SEQUENCE = tuple(1.1673039782614187**-k for k in range(1, 7))  # additive recurrence in 6 dimensions: x^7 = x + 1
 GRIDS = 256  # kept
+AXES = ("hue", "saturation", "value")
 NOTHING: Triple = (0.0, 0.0, 0.0)
 
 
@@ -121,8 +122,11 @@ class ColourBelief:
         (_, saturation, value), _ = self.matched()
         return self.sensor.variance(saturation, value)
 
-    def prob(self, volume: HsvVolume) -> float:
-        """Return P(the colour lies in the volume)."""
+    def prob(self, meaning: ColourMeaning) -> float:
+        """Return P(the colour lies in one of the boxes of the meaning)."""
+        return min(1.0, sum(self._prob(box) for box in meaning.boxes))
+
+    def _prob(self, volume: HsvVolume) -> float:
         if self.seen:
             return _grid(self).mass(volume.hue, volume.saturation, volume.value)
         h, s, v = (math.sqrt(max(variance, LEAST_VARIANCE)) for variance in self.variance)
@@ -130,9 +134,9 @@ class ColourBelief:
         saturation = _level_mass(self.mean[1], s, volume.saturation)
         return hue * saturation * _level_mass(self.mean[2], v, volume.value)
 
-    def prob_favourable(self, volume: HsvVolume, p: float) -> float:
-        """Return P(one look lifts the belief in the volume to at least `p` | the colour lies in it)."""
-        lifted = _lifted(self, volume)
+    def prob_favourable(self, meaning: ColourMeaning, p: float) -> float:
+        """Return P(one look lifts the belief in the meaning to at least `p` | it is true of the colour)."""
+        lifted = _lifted(self, meaning)
         return sum(after >= p - ROUNDING for after in lifted) / len(lifted) if lifted else 0.0
 
 
@@ -157,22 +161,23 @@ def _first(belief: ColourBelief) -> tuple[Triple, Triple] | None:
 
 
 @lru_cache(GRIDS)
-def _lifted(belief: ColourBelief, volume: HsvVolume) -> tuple[float, ...]:
-    """Return the belief in a volume after each of some equally likely looks at colours that lie in it.
+def _lifted(belief: ColourBelief, meaning: ColourMeaning) -> tuple[float, ...]:
+    """Return the belief in a meaning after each of some equally likely looks at colours that have it.
 
-    Colours are spread evenly over what is believed of the volume, and errors over what the sensor makes.
+    Colours are spread evenly over what is believed of the boxes, and errors over what the sensor makes.
     """
-    grid = _grid(belief)
-    below, above = max(volume.value[0], 0.0), min(volume.value[1], 1.0)
-    joint = np.cumsum(grid.joint(volume.hue, volume.saturation, volume.value).ravel())
+    grid, boxes = _grid(belief), meaning.boxes
+    joint = np.cumsum([grid.joint(box.hue, box.saturation, box.value) for box in boxes])
     if not joint[-1] > 0.0:
         return ()
     steps = (0.5 + np.arange(1, LOOKS + 1)[:, None] * np.array(SEQUENCE)) % 1.0
     cells = np.minimum(np.searchsorted(joint, steps[:, 0] * joint[-1]), len(joint) - 1)
-    i, j = np.unravel_index(cells, grid.weight.shape)
-    h = _within(grid.hues, i, steps[:, 1], volume.hue)
-    s = np.clip(_within(grid.saturations, j, steps[:, 2], None), *volume.saturation)
+    box, i, j = np.unravel_index(cells, (len(boxes), *grid.weight.shape))
+    hue, saturation, value = (np.array([getattr(b, axis) for b in boxes])[box] for axis in AXES)
+    h = _within(_between(grid.hues, i, steps[:, 1]), hue)
+    s = np.clip(_between(grid.saturations, j, steps[:, 2]), saturation[:, 0], saturation[:, 1])
     middle, sd = grid.value[i, j], grid.sd[i, j]
+    below, above = np.clip(value, 0.0, 1.0).T
     low, high = ndtr((below - middle) / sd), ndtr((above - middle) / sd)
     share = (0.5 + np.arange(1, LOOKS + 1) * math.sqrt(2.0)) % 1.0
     v = np.clip(middle + sd * ndtri(np.clip(low + share * (high - low), ROUNDING, 1.0 - ROUNDING)), below, above)
@@ -180,16 +185,19 @@ def _lifted(belief: ColourBelief, volume: HsvVolume) -> tuple[float, ...]:
     colours = [colorsys.hsv_to_rgb(*hsv) for hsv in zip(h.tolist(), s.tolist(), v.tolist(), strict=True)]
     seen = np.clip(belief.sensor.gain * np.array(colours) + noise, 0.0, 1.0).tolist()
     after = (_grid(belief.updated(_triple(rgb)), COARSE) for rgb in seen)
-    return tuple(each.mass(volume.hue, volume.saturation, volume.value) for each in after)
+    return tuple(sum(grid.mass(b.hue, b.saturation, b.value) for b in boxes) for grid in after)
 
 
-def _within(borders: Array, cells: NDArray[np.intp], share: Array, hue: tuple[float, float] | None) -> Array:
-    """Return where in its cell each of some colours lies, shape (n,); hues are brought into theirs."""
-    x = borders[cells] + share * (borders[cells + 1] - borders[cells])
-    if hue is None:
-        return np.asarray(x)
-    low, width = hue[0], hue[1] - hue[0] if hue[1] >= hue[0] else hue[1] + 1.0 - hue[0]
-    off = (x - low) % 1.0
+def _between(borders: Array, cells: NDArray[np.intp], share: Array) -> Array:
+    """Return the points at a share of the way through cells, shape (n,)."""
+    return np.asarray(borders[cells] + share * (borders[cells + 1] - borders[cells]))
+
+
+def _within(hues: Array, spans: Array) -> Array:
+    """Return hues brought into their spans, of shape (n, 2); a span wraps if its first is the larger."""
+    low = spans[:, 0]
+    width = np.where(spans[:, 1] >= low, spans[:, 1] - low, spans[:, 1] - low + 1.0)
+    off = (hues - low) % 1.0
     beyond = np.where(off - width < 1.0 - off, width, 0.0)
     return np.asarray((low + np.where(off > width, beyond, off)) % 1.0)
 

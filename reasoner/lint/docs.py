@@ -14,10 +14,11 @@ from skolem.reasoner.lint.fluent_kinds import FLUENTS, pattern, shape
 from skolem.reasoner.lint.wrong_rules import files_about_steps
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
+from skolem.reasoner.rulebook.colours import in_words
 from skolem.reasoner.rulebook.files import RuleFile
 from skolem.reasoner.rulebook.vocabulary import WORD_FACTS, Vocabulary
 from skolem.reasoner.terms import Compound, Term, prob
-from skolem.traces.messages import HsvVolume, TypeIs, WeightInterval
+from skolem.traces.messages import HsvUnion, HsvVolume, TypeIs, WeightInterval
 
 PARTS: Final = ("result", "precond", "cost", "destroys", "rejected", "executes", "immediate")
 _HEADINGS: Final = {
@@ -270,19 +271,14 @@ def _words(vocabulary: Vocabulary) -> list[tuple[str, str]]:
                 x, y, z = (round(1000 * size) for size in kind.size_m)
                 grasp = "a hand can close on it" if kind.graspable else "no hand can close on it"
                 rows.append((word, f"a {kind.shape} of {x} x {y} x {z} mm; {grasp}"))
-            case HsvVolume(hue=hue, saturation=s, value=v):
-                text = f"hue {_span(hue, 360)} degrees, saturation {_span(s, 100)} %, value {_span(v, 100)} %"
-                rows.append((word, f"colour: {text}"))
+            case HsvVolume() | HsvUnion():
+                rows.append((word, f"colour: {'; or '.join(map(in_words, meaning.boxes))}"))
             case WeightInterval(at_least_kg=low, below_kg=high):
                 below = "" if high is None else f", below {round(1000 * high)} g"
                 rows.append((word, f"weight: at least {round(1000 * low)} g{below}"))
     rows += [(word, f"two objects at most {round(1000 * far)} mm apart") for word, far in vocabulary.near_m.items()]
     rows += [(word, f"the {quantity} of an object exceeds a number") for word, quantity in vocabulary.exceeds.items()]
     return rows
-
-
-def _span(bounds: tuple[float, float], whole: int) -> str:
-    return f"{round(whole * bounds[0])} to {round(whole * bounds[1])}"
 
 
 def _queries() -> list[tuple[str, str]]:

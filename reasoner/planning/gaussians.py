@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from skolem.reasoner.protocols import Gaussian
 from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
-from skolem.traces.messages import HsvVolume, Quantity, WeightInterval
+from skolem.traces.messages import ColourMeaning, HsvVolume, Quantity, WeightInterval
 
 _UNIT: Final = 1000.0
 _SUREST: Final = 1.0 - 0.5e-6  # a greater probability is 0 micro-nats, and no finite bound gives it
+_LEAST_VARIANCE: Final = 1e-12  # of a colour that is as good as certain
+_TURNS: Final = 3  # of the hue to either side that a wide belief reaches
 _MOST_OBSERVATIONS: Final = 8  # if more are needed, the sensor counts as too weak
 _TURN: Final = {
     "pose": (None, None, 2 * math.pi),
@@ -88,9 +90,35 @@ def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
 
 
 def band(
-    meaning: HsvVolume | WeightInterval, belief: Gaussian, observation: NDArray[np.float64], p: float
+    meaning: ColourMeaning | WeightInterval, belief: Gaussian, observation: NDArray[np.float64], p: float
 ) -> tuple[Term, Term, Term] | None:
     """Return (mu, Sigma, Delta) such that any belief inside has P(meaning) >= p; None if the sensor is too weak.
+
+    A fluent bounds one box: of a colour of several it is the one that the belief is likeliest to be in, of those for
+    which the sensor is not too weak.
+    """
+    if isinstance(meaning, WeightInterval):
+        return _band(meaning, belief, observation, p)
+    likely = sorted(meaning.boxes, key=lambda box: -_mass(box, belief)) if len(meaning.boxes) > 1 else meaning.boxes
+    return next((found for box in likely if (found := _band(box, belief, observation, p))), None)
+
+
+def _mass(box: HsvVolume, belief: Gaussian) -> float:
+    """Return P(the colour lies in the box), but for a factor that is the same for all boxes."""
+    spans = _intervals(box, belief)
+    mass = 1.0
+    for axis, (low, high, _, _) in enumerate(spans):
+        mean, variance = float(belief.mean[axis]), float(belief.covariance[axis, axis])
+        normal = NormalDist(mean, math.sqrt(max(variance, _LEAST_VARIANCE)))
+        turns = range(-_TURNS, _TURNS + 1) if axis == 0 else (0,)
+        mass *= sum(normal.cdf(high + turn) - normal.cdf(low + turn) for turn in turns)
+    return mass
+
+
+def _band(
+    meaning: HsvVolume | WeightInterval, belief: Gaussian, observation: NDArray[np.float64], p: float
+) -> tuple[Term, Term, Term] | None:
+    """Return (mu, Sigma, Delta) of one box or interval.
 
     Sigma follows from the present variance and the fewest observations that suffice; Delta keeps the mean far enough
     from each edge of the set for an even share p^(1/n) of the mass on each of the n axes.

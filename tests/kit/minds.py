@@ -12,6 +12,7 @@ from skolem.traces.messages import (
     Belief,
     Command,
     Hand,
+    HsvUnion,
     HsvVolume,
     LookAt,
     Meaning,
@@ -100,6 +101,9 @@ class TableBelief(PlainBelief):
         match meaning:
             case TypeIs(type=name):
                 return thing.types.get(name, 0.0)
+            case HsvUnion(boxes=boxes):
+                _, s, v = thing.hsv  # as good as known
+                return sum(self._prob(thing, box) for box in boxes if box.contains((box.hue[0], s, v)))
             case HsvVolume(hue=hue):
                 width = (hue[1] - hue[0]) % 1.0
                 offset = abs((thing.hsv[0] - hue[0] - width / 2 + 0.5) % 1.0 - 0.5)

@@ -27,9 +27,9 @@ from skolem.sim.symbolic.view import Solid
 from skolem.traces.messages import (
     Action,
     ActionResult,
+    ColourMeaning,
     Command,
     Detection,
-    HsvVolume,
     LookAt,
     MoveBase,
     Observation,
@@ -65,11 +65,16 @@ def with_own_rules(folder: Path, text: str) -> Rulebook:
     return Rulebook.load(Queries, [path])
 
 
-def green() -> HsvVolume:
-    """Return what the word green means."""
-    meaning = shipped().vocabulary.meanings["green"]
-    assert isinstance(meaning, HsvVolume)
+def colour(word: str) -> ColourMeaning:
+    """Return what a colour word means."""
+    meaning = shipped().vocabulary.meanings[word]
+    assert isinstance(meaning, ColourMeaning)
     return meaning
+
+
+def green() -> ColourMeaning:
+    """Return what the word green means."""
+    return colour("green")
 
 
 # ---------------------------------------------------------------- a goal in a belief

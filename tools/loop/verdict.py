@@ -14,8 +14,8 @@ from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.space.footprints import footprint, overhang
 from skolem.traces.messages import (
     Belief,
+    ColourMeaning,
     Hand,
-    HsvVolume,
     Meaning,
     ObjectType,
     Quantity,
@@ -141,6 +141,6 @@ def meant_by(anchor: str, belief: Belief, state: TrueState, types: Mapping[str, 
 def _has(item: TrueObject, meaning: Meaning) -> bool:
     if isinstance(meaning, TypeIs):
         return item.type == meaning.type
-    if isinstance(meaning, HsvVolume):
+    if isinstance(meaning, ColourMeaning):
         return meaning.contains(item.hsv)
     return meaning.at_least_kg <= item.kg and (meaning.below_kg is None or item.kg < meaning.below_kg)

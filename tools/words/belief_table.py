@@ -7,7 +7,7 @@ prior nor measured is printed as `prior`, and the pose of a held object as `in h
 import math
 from collections.abc import Mapping
 
-from skolem.traces.messages import Belief, HsvBelief, HsvVolume, Meaning, ObjectBelief
+from skolem.traces.messages import Belief, ColourMeaning, HsvBelief, Meaning, ObjectBelief
 from skolem.traces.messages.likeliest import likeliest
 
 COLUMNS = ("anchor", "type d", "pose d", "color d", "weight d")
@@ -41,7 +41,7 @@ def colour_name(colour: HsvBelief, meanings: Mapping[str, Meaning]) -> str:
     """Return the first colour word by alphabet that contains the mean; otherwise the mean in degrees and percent."""
     h, s, v = colour.mean
     for word, meaning in sorted(meanings.items()):
-        if isinstance(meaning, HsvVolume) and meaning.contains((h % 1.0, s, v)):
+        if isinstance(meaning, ColourMeaning) and meaning.contains((h % 1.0, s, v)):
             return word
     return f"hsv {360.0 * (h % 1.0):.0f} {100.0 * s:.0f}% {100.0 * v:.0f}%"
 

@@ -81,6 +81,8 @@ from .topics import (
 )
 from .truth import Displaced as Displaced, TrueObject as TrueObject, TrueState as TrueState, Verdict as Verdict
 from .words import (
+    ColourMeaning as ColourMeaning,
+    HsvUnion as HsvUnion,
     HsvVolume as HsvVolume,
     Meaning as Meaning,
     ObjectType as ObjectType,

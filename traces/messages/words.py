@@ -24,7 +24,11 @@ class TypeIs(Message):
 
 
 class HsvVolume(Message):
-    """The property of having a colour in a box of hue, saturation, value, each 0..1; hue wraps if low > high."""
+    """The property of having a colour in a box of hue, saturation, value, each 0..1; hue wraps if low > high.
+
+    The lower end of an interval belongs to the box and the upper one does not, unless it is the end of the range: boxes
+    side by side share no colour.
+    """
 
     quantity: Literal["colour"] = "colour"
     hue: tuple[float, float]
@@ -32,12 +36,31 @@ class HsvVolume(Message):
     value: tuple[float, float]
 
     def contains(self, hsv: tuple[float, float, float]) -> bool:
-        """Return whether a colour (hue, saturation, value, each 0..1) is in the volume, borders included."""
-        hue, saturation, value = hsv
+        """Return whether a colour (hue, saturation, value, each 0..1) is in the box."""
+        hue, saturation, value = hsv[0] % 1.0, *hsv[1:]
         low, high = self.hue
-        around = low <= hue <= high if low <= high else hue >= low or hue <= high
-        within = self.saturation[0] <= saturation <= self.saturation[1]
-        return around and within and self.value[0] <= value <= self.value[1]
+        around = low <= hue < high if low <= high else hue >= low or hue < high
+        return around and _within(saturation, self.saturation) and _within(value, self.value)
+
+    @property
+    def boxes(self) -> "tuple[HsvVolume, ...]":
+        """The boxes that make up the colour: this one."""
+        return (self,)
+
+
+class HsvUnion(Message):
+    """The property of having a colour in one of several boxes of hue, saturation and value, which share no colour."""
+
+    quantity: Literal["colour"] = "colour"
+    boxes: tuple[HsvVolume, ...]
+
+    def contains(self, hsv: tuple[float, float, float]) -> bool:
+        """Return whether a colour (hue, saturation, value, each 0..1) is in one of the boxes."""
+        return any(box.contains(hsv) for box in self.boxes)
+
+
+def _within(level: float, span: tuple[float, float]) -> bool:
+    return span[0] <= level < span[1] or level == span[1] == 1.0
 
 
 class WeightInterval(Message):
@@ -48,5 +71,6 @@ class WeightInterval(Message):
     below_kg: float | None = None
 
 
-Meaning = TypeIs | HsvVolume | WeightInterval
+ColourMeaning = HsvVolume | HsvUnion
+Meaning = TypeIs | ColourMeaning | WeightInterval
 Quantity = Literal["pose", "type", "colour", "weight"]

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from skolem.traces.messages import HsvVolume
+from skolem.traces.messages import ColourMeaning
 from skolem.traces.wording.recorded import Recorded
 
 _DEGREES_OF_A_TURN: Final = 360.0
@@ -51,7 +51,7 @@ def colour_spread(sd: Sequence[Recorded]) -> str:
     return listed(parts)
 
 
-def colour_place(mean: Sequence[Recorded], colours: Mapping[str, HsvVolume]) -> str:
+def colour_place(mean: Sequence[Recorded], colours: Mapping[str, ColourMeaning]) -> str:
     """Return a colour as the first word by alphabet that contains it, otherwise in numbers."""
     hue, saturation, value = ((each.number or 0) / 1000.0 for each in mean)
     for word, volume in sorted(colours.items()):

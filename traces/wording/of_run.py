@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 
 from skolem.traces.file.reader import Trace
-from skolem.traces.messages import HsvVolume, Meaning, Prior, RunStart
+from skolem.traces.messages import ColourMeaning, Meaning, Prior, RunStart
 from skolem.traces.wording.things import Things
 from skolem.traces.wording.wording import AS_RECORDED, InWords, Wording
 
@@ -17,7 +17,7 @@ def wording(goal: str, types: Iterable[str], meanings: Mapping[str, Meaning], ra
         meanings: Meanings of the words of its rules; without them colours are given in numbers.
         raw: Whether terms are shown as recorded.
     """
-    colours = {word: meaning for word, meaning in meanings.items() if isinstance(meaning, HsvVolume)}
+    colours = {word: meaning for word, meaning in meanings.items() if isinstance(meaning, ColourMeaning)}
     return AS_RECORDED if raw else InWords(Things(goal, frozenset(types), colours))
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from skolem.traces.messages import HsvVolume
+from skolem.traces.messages import ColourMeaning
 from skolem.traces.wording.descriptions import Description, descriptions, predicate
 from skolem.traces.wording.recorded import Recorded
 
@@ -21,7 +21,7 @@ class Things:
 
     goal: str = ""
     nouns: frozenset[str] = frozenset()
-    colours: Mapping[str, HsvVolume] = field(default_factory=dict)
+    colours: Mapping[str, ColourMeaning] = field(default_factory=dict)
 
     @cached_property
     def _descriptions(self) -> tuple[dict[str, Description], dict[str, str]]:

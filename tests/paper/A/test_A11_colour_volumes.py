@@ -4,7 +4,7 @@ from pathlib import Path
 
 from kit.papers import shipped, with_own_rules
 
-from skolem.traces.messages import HsvVolume
+from skolem.traces.messages import ColourMeaning
 
 COLOURS = {
     "black",
@@ -27,10 +27,10 @@ def test_colours_are_one_table_in_one_file() -> None:
     """ "We define color names as fixed volumes in HSV space." """
     having = [name for name, text in shipped().files.items() if b"\ncolour(" in text]
     assert having == ["vocabulary.lp"]
-    volumes = {w: m for w, m in shipped().vocabulary.meanings.items() if isinstance(m, HsvVolume)}
+    volumes = {w: m for w, m in shipped().vocabulary.meanings.items() if isinstance(m, ColourMeaning)}
     assert set(volumes) == COLOURS
     stated = shipped().files["vocabulary.lp"].decode().splitlines()
-    assert sum(line.startswith("colour(") for line in stated) == len(volumes)
+    assert sum(line.startswith("colour(") for line in stated) == sum(len(m.boxes) for m in volumes.values())
 
 
 def test_volumes_that_overlap_are_reported_with_their_place(tmp_path: Path) -> None:

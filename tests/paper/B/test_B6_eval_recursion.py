@@ -155,7 +155,7 @@ def test_a_relation_inside_a_quantifier_ranges_over_the_universe() -> None:
     values = denotes("lambda x. Soda(x) & exists y. (On(x, y) & Red(y))", belief)
     red = belief.prob_property("red_table", shipped().vocabulary.meanings["red"])
     assert values["a"] == pytest.approx(0.99 * 0.99 * belief.prob_on("a", "red_table") * red, abs=1e-6)
-    assert values["b"] < 1e-3 < 0.3 < values["a"]
+    assert values["b"] < 2e-3 < 0.3 < values["a"]
 
 
 def test_a_property_that_is_said_twice_counts_twice() -> None:

@@ -4,12 +4,11 @@ import colorsys
 
 import numpy as np
 import pytest
-from kit.papers import STANDS, Handler, at_five_percent, can, seen_as, shipped
+from kit.papers import STANDS, Handler, at_five_percent, can, colour, seen_as
 from kit.tabletop import BLUE, CLEAR, GREEN, TABLE, TABLE_M, TYPES, seen_cloud
 
 from skolem.sim.detector.cloud import Cloud
 from skolem.sim.detector.detect import detect
-from skolem.traces.messages import HsvVolume
 
 SODA_HALF_M = 0.06
 TWO_REDS = ((0.8, 0.08, 0.22), (0.8, 0.22, 0.08))  # hues .97 and .03: their mean is red, not cyan
@@ -48,8 +47,7 @@ def test_the_colour_is_the_mean_over_the_points_of_the_detection(cloud: Cloud) -
 
 def test_a_mean_at_the_end_of_the_hue_circle_is_believed_red() -> None:
     """ "Accompanied by a color observation": hue is a circle, whose ends are one colour."""
-    red = shipped().vocabulary.meanings["red"]
-    assert isinstance(red, HsvVolume)
+    red = colour("red")
     robot = Handler(at_five_percent([can()], colour_gain=1.0))
     for rgb in TWO_REDS:
         robot.see(seen_as(STANDS, rgb=rgb))

@@ -8,7 +8,7 @@ from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.rulebook.vocabulary import Vocabulary, comparison
 from skolem.traces.errors import InputError
-from skolem.traces.messages import HsvVolume, ObjectType, TypeIs, WeightInterval
+from skolem.traces.messages import HsvUnion, HsvVolume, ObjectType, TypeIs, WeightInterval
 
 
 @pytest.fixture(scope="module")
@@ -30,14 +30,20 @@ def test_a_type_has_a_shape_and_is_a_property(shipped: Rulebook) -> None:
 
 
 def test_a_colour_is_a_volume(shipped: Rulebook) -> None:
-    green = HsvVolume(hue=(90 / 360, 162 / 360), saturation=(0.4, 1.0), value=(0.2, 1.0))
-    assert shipped.vocabulary.meanings["green"] == green
+    orange = HsvVolume(hue=(12 / 360, 42 / 360), saturation=(0.6, 1.0), value=(0.72, 1.0))
+    assert shipped.vocabulary.meanings["orange"] == orange
+
+
+def test_a_colour_with_several_facts_is_a_union_of_boxes(shipped: Rulebook) -> None:
+    yellow = shipped.vocabulary.meanings["yellow"]
+    assert isinstance(yellow, HsvUnion)
+    assert [box.hue for box in yellow.boxes] == [(42 / 360, 62 / 360), (62 / 360, 76 / 360)]
 
 
 def test_red_goes_through_hue_zero(shipped: Rulebook) -> None:
     red = shipped.vocabulary.meanings["red"]
-    assert isinstance(red, HsvVolume)
-    assert red.hue == (345 / 360, 15 / 360)
+    assert isinstance(red, HsvUnion)
+    assert (345 / 360, 12 / 360) in [box.hue for box in red.boxes]
 
 
 def test_heavy_is_an_interval_without_end(shipped: Rulebook) -> None:
@@ -73,12 +79,17 @@ def test_a_users_fact_replaces_the_shipped_one(tmp_path: Path) -> None:
     assert vocabulary.types["soda"].shape == "box"
 
 
+def test_a_users_one_box_replaces_all_shipped_boxes_of_the_word(tmp_path: Path) -> None:
+    own = with_own(tmp_path, "colour(green, 87, 161, 20, 100, 15, 100).")
+    box = HsvVolume(hue=(87 / 360, 161 / 360), saturation=(0.2, 1.0), value=(0.15, 1.0))
+    assert own.vocabulary.meanings["green"] == box
+
+
 def test_overlapping_colours_are_a_warning_with_its_place(tmp_path: Path) -> None:
     book = with_own(tmp_path, "\ncolour(rust, 355, 30, 50, 100, 30, 70).")
     found = [(fault.line, fault.message.removeprefix("warning: ")) for fault in book.warnings]
     assert sorted(found) == [
         (2, "the colours brown and rust overlap"),
-        (2, "the colours orange and rust overlap"),
         (2, "the colours red and rust overlap"),
     ]
     assert {fault.file for fault in book.warnings} == {str(tmp_path / "own.lp")}
