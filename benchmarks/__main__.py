@@ -16,6 +16,7 @@ SECTIONS: Final = (
     "detector_crowds",
     "replays",
     "viewer",
+    "colours",
 )  # modules of this folder; each has tables()
 
 
