@@ -17,8 +17,8 @@ def rule() -> Instance:
 
 
 def prior() -> float:
-    """Return P_p by hand: can .80, green .99, heavy .316."""
-    return 0.80 * 0.99 * normal_tail(math.log(0.4), math.log(0.3), 0.6)
+    """Return P_p by hand: can .80, green .992, heavy .316."""
+    return 0.80 * 0.992 * normal_tail(math.log(0.4), math.log(0.3), 0.6)
 
 
 def test_its_arguments_are_the_expression_the_properties_the_object_and_p_r() -> None:
