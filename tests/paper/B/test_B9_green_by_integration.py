@@ -22,7 +22,7 @@ def believed(rgb: tuple[float, float, float]) -> tuple[HsvBelief, float]:
 def test_green_is_the_share_of_sampled_colours(rgb: tuple[float, float, float]) -> None:
     """ "Integrating the probability over the set of colors defined to be" green: prior colours, weighed by the look."""
     prior, said = believed(rgb)
-    draws = Generator(PCG64(SeedSequence([7]))).normal(prior.mean, np.sqrt(prior.variance), size=(300_000, 3))
+    draws = Generator(PCG64(SeedSequence([7]))).normal(prior.mean, np.sqrt(prior.variance), size=(1_000_000, 3))
     draws = draws[((draws[:, 1:] >= 0.0) & (draws[:, 1:] <= 1.0)).all(axis=1)]
     h, s, v = draws[:, 0] % 1.0, draws[:, 1], draws[:, 2]
     k = (np.array([[5.0], [3.0], [1.0]]) + 6.0 * h) % 6.0

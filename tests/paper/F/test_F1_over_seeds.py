@@ -1,7 +1,7 @@
 """F1: the rows of the illustrative example in runs of scenarios/illustrative.yaml over seeds, without physics.
 
 The sensors err, so a seed may need more looks than another, or lose sight of _o2_ before it is picked; what the paper
-tells must be there in all seeds up to the search, and as a whole in most of them. Only rows are asserted: operators,
+tells must be there up to the search in all seeds that weigh it, and as a whole in most. Only rows are asserted: operators,
 anchors, levels, and which plans were given up and why.
 """
 
@@ -103,20 +103,20 @@ def test_when_it_turns_out_light_every_plan_is_popped(weighed: list[Run]) -> Non
 # ---------------------------------------------------------------- the search
 
 
-def test_in_every_run_all_plans_are_popped_and_the_next_one_is_to_find_an_object_in_the_region(
-    runs: list[Run],
+def test_when_it_was_weighed_all_plans_are_popped_and_the_next_one_is_to_find_an_object_in_the_region(
+    weighed: list[Run],
 ) -> None:
     """ "The planning stack is popped to the top ... to find an object currently named by a Skolem constant"."""
-    for run in runs:
+    for run in weighed:
         popped = run.given_up()[0]
         assert any(fluent.startswith("b(den(e1,o2),") for fluent in popped.false_fluents)
         started = made(run, popped.step, "start")[0]
         assert rows(started.layers[0]) == FIND
 
 
-def test_the_subgoal_is_that_the_region_may_hold_one_and_its_contents_are_known(runs: list[Run]) -> None:
+def test_the_subgoal_is_that_the_region_may_hold_one_and_its_contents_are_known(weighed: list[Run]) -> None:
     """ "B(ExistsIn(expr, _reg2_), 0.1) & BContents(_reg2_, 0.9)"."""
-    for run in runs:
+    for run in weighed:
         refined = made(run, run.given_up()[0].step, "refine")[0]
         assert rows(refined.layers[1]) == (("LookAtRegion(_reg2_)", 0), ("FindObj(e1, _reg2_, sk(var(o)))", 1))
         subgoal = refined.layers[1][0].subgoal
