@@ -31,7 +31,9 @@ def test_its_arguments_are_the_expression_the_properties_the_object_and_p_r() ->
 
 def test_its_preconditions_are_holds_of_the_properties_and_den_at_the_prior() -> None:
     """ "precond: B(Holds(Props, Obj), P_r), B(Den(expr, Obj), P_p), PropsFor(expr) = Props", and that it exists."""
-    ((holds, level), (_, rest_level), (exists, exists_level), (den, at_once)) = sorted(preconditions(rule()), reverse=True)
+    ((holds, level), (_, rest_level), (exists, exists_level), (den, at_once)) = sorted(
+        preconditions(rule()), reverse=True
+    )
     assert holds.startswith("b(holds((heavy,soda),o2),")
     assert exists == "b(exists(o2),0)"
     assert (level, rest_level, exists_level) == (1, 1, 1)
