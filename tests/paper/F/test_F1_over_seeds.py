@@ -1,8 +1,8 @@
 """F1: the rows of the illustrative example in runs of scenarios/illustrative.yaml over seeds, without physics.
 
 The sensors err, so a seed may need more looks than another, or lose sight of _o2_ before it is picked; what the paper
-tells must be there up to the search in all seeds that weigh it, and as a whole in most. Only rows are asserted: operators,
-anchors, levels, and which plans were given up and why.
+tells must be there up to the search in all seeds that weigh it, and as a whole in most. Only rows are asserted:
+operators, anchors, levels, and which plans were given up and why.
 """
 
 import math
