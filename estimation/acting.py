@@ -13,6 +13,7 @@ def events_of(
     grasps: dict[Hand, tuple[str, Pose4]],
     noise: NoiseModel,
     config: EstimatorConfig,
+    top_m: float | None = None,
 ) -> tuple[Event, ...]:
     """Return what an action did to the robot and its objects, in order.
 
@@ -21,9 +22,12 @@ def events_of(
         result: What the joints said.
         grasps: Anchor and tool_T_object by the hand that held them before the action.
         noise: Of wheels, and of objects at release.
-        config: Reads `closed_gap_m`, and the sds of what was lost, was dropped, or was touched.
+        config: Reads `closed_gap_m`, `height_tolerance_m`, and the sds of what was lost, was dropped, or was touched.
+        top_m: Believed height of the top on which the object was to be placed; None if there is none.
 
-    A hand that is believed to hold something and whose fingers have met holds it no longer, whatever was done.
+    A hand that is believed to hold something and whose fingers have met holds it no longer, whatever was done. An
+    object that left the hand above or below the top, by what the joints say, does not stand on it: it met something on
+    the way, or there was nothing to meet.
 
     An arm that touched something where its way was thought free never closed or opened its fingers. The base then does
     not stand where it was believed to: it is taken to be as uncertain as after a short drive, so that looking is in
@@ -34,7 +38,9 @@ def events_of(
         events += _drive(result.odometry, noise)
     if isinstance(action.command, Pick | Place) and result.base_T_tool is None:
         events.append(Moved(start_T_end=(0.0, 0.0, 0.0), sd_m=config.touched_sd_m, sd_rad=config.touched_sd_rad))
-    lost = [loss for hand in HANDS if hand in grasps for loss in _lost(hand, grasps[hand][0], action, result, config)]
+    lost = [
+        loss for hand in HANDS if hand in grasps for loss in _lost(hand, grasps[hand], action, result, config, top_m)
+    ]
     events += lost
     match action.command:
         case Pick():
@@ -44,31 +50,46 @@ def events_of(
     return tuple(events)
 
 
-def _lost(hand: Hand, anchor: str, action: Action, result: ActionResult, config: EstimatorConfig) -> list[Lost]:
-    """Return that a hand no longer holds an object, if so: its fingers have met, or a place failed.
+def _lost(
+    hand: Hand,
+    grasp: tuple[str, Pose4],
+    action: Action,
+    result: ActionResult,
+    config: EstimatorConfig,
+    top_m: float | None,
+) -> list[Lost]:
+    """Return that a hand no longer holds an object, if so: its fingers have met, or a place did not put it on the top.
 
     A place that failed has found the hand empty, or has let the object drop. Fingers that were opened hold nothing and
     are not believed to; so fingers that are apart hold what they are believed to hold.
     """
-    is_place = isinstance(action.command, Place) and action.command.hand == hand
+    anchor, tool_T_object = grasp
     gap = result.gaps_m.get(hand)
     is_empty = gap is not None and gap < config.closed_gap_m
-    failed = is_place and result.status == "failed" and result.base_T_tool is not None
-    if not is_empty and not failed:
+    is_place = isinstance(action.command, Place) and action.command.hand == hand
+    opened = result.base_T_tool if is_place else None
+    missed = opened is not None and top_m is not None and _misses(opened[2] + tool_T_object[2], top_m, config)
+    failed = opened is not None and result.status == "failed"
+    if not is_empty and not failed and not missed:
         return []
-    dropped = failed and gap is not None and not is_empty
+    dropped = not is_empty and (missed or gap is not None)
     tool = arm.base_T_tool(result.robot, hand)
     here = raised(arm.flattened(tool), float(tool[2, 3]))
     return [
         Lost(
             hand=hand,
             anchor=anchor,
-            base_T_tool=result.base_T_tool if failed and result.base_T_tool is not None else here,
+            base_T_tool=here if opened is None else opened,
             sd_m=config.dropped_sd_m if dropped else config.lost_sd_m,
             sd_rad=config.unknown_heading_sd_rad,
             sd_z_m=config.lost_sd_z_m,
         )
     ]
+
+
+def _misses(felt_m: float, top_m: float, config: EstimatorConfig) -> bool:
+    """Return whether an object that left the hand with its base at `felt_m` does not rest on a top at `top_m`."""
+    return abs(felt_m - top_m) > config.height_tolerance_m
 
 
 def _drive(start_T_end: tuple[float, float, float], noise: NoiseModel) -> list[Event]:

@@ -118,7 +118,8 @@ class Belief:
     def update(self, action: messages.Action, result: messages.ActionResult, observation: messages.Observation) -> None:
         """Take in one executed action, what the joints said about it, and what the sensors saw after it."""
         grasps = {hand: (anchor, self._graph.tool_T_object(hand)) for hand in HANDS if (anchor := self.held(hand))}
-        for event in events_of(action, result, grasps, self._tracks.prior.noise, self._config):
+        noise, top_m = self._tracks.prior.noise, self._top_under(action)
+        for event in events_of(action, result, grasps, noise, self._config, top_m):
             self.apply(event)
             if isinstance(event, Lost):
                 self._seek_first(event.anchor)
@@ -127,6 +128,11 @@ class Belief:
         if observation.wrench is not None and (anchor := self.held(observation.wrench.hand)):
             self.apply(Weighed(anchor=anchor, kg=-observation.wrench.force_newton[2] / GRAVITY))
         self._consolidate()
+
+    def _top_under(self, action: messages.Action) -> float | None:
+        """Return the believed height of the top on which a place was to put something; None for any other action."""
+        onto = action.args[1] if action.command.kind == "place" and len(action.args) > 1 else None
+        return None if onto is None or self._tracks.get(onto) is None else self._tracks.top(onto)
 
     def _look(self, observation: messages.Observation) -> None:
         """Take in a look, and what it says about which anchors are which."""

@@ -119,12 +119,12 @@ class PickFailed(Message):
 
 
 class Lost(Message):
-    """A hand that was believed to hold an object is empty: it slipped, or somebody took it; sds are of where it is."""
+    """A hand no longer holds an object, which slipped, was taken, or did not come to rest; sds are of where it is."""
 
     kind: Literal["lost"] = "lost"
     hand: Hand
     anchor: Anchor
-    base_T_tool: Pose4 = Field(description="where the hand was found empty")
+    base_T_tool: Pose4 = Field(description="where the hand was found empty, or let go")
     sd_m: float
     sd_rad: float
     sd_z_m: float

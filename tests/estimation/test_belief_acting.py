@@ -107,6 +107,19 @@ def test_object_that_a_failed_place_dropped_is_near_there_and_on_nothing_until_i
     assert robot.belief.prob_on("can2", "table1") > 0.9
 
 
+@pytest.mark.parametrize("off_m", [0.12, -0.1], ids=["stopped above", "nothing below"])
+def test_object_released_far_above_or_below_the_top_is_not_believed_on_it_until_it_is_seen(off_m: float) -> None:
+    robot = Robot(prior())
+    sees_all(robot)
+    robot.pick("can2", TOOL, GRASP)
+    robot.place("can2", "table1", (0.8, 0.1, 0.75 + off_m, 0.0), gaps_m={"right": 0.066, "left": 0.086})
+    assert robot.belief.held("right") is None
+    assert robot.belief.prob_on("can2", "table1") == 0.0
+    assert 0.1 > np.sqrt(np.diag(robot.belief.gaussian("pose", "can2").covariance))[:2].min() > 0.04
+    robot.look([detection((0.85, 0.15, 0.0))], depth_view([(0.85, 0.15, 0.0)]))
+    assert robot.belief.prob_on("can2", "table1") > 0.9
+
+
 @pytest.mark.parametrize("gaps_m", [{}, {"right": 0.0, "left": 0.086}])
 def test_failed_place_shows_that_the_hand_was_empty_and_the_object_is_elsewhere(gaps_m: dict[Hand, float]) -> None:
     robot = Robot(prior())
