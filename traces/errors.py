@@ -47,7 +47,8 @@ class Fault:
         head = f"{place}: {self.at}: {self.message}" if self.at else f"{place}: {self.message}"
         if not self.excerpt:
             return head
-        begin = max(len(self.excerpt) - len(self.excerpt.lstrip()), self.column - _AROUND)
+        indent = len(self.excerpt) - len(self.excerpt.lstrip())
+        begin = max(indent, min(self.column - _AROUND, len(self.excerpt) - 2 * _AROUND))
         text = self.excerpt[begin : begin + 2 * _AROUND]
         caret = " " * max(0, self.column - 1 - begin)
         return f"{head}\n    {text}\n    {caret}^"

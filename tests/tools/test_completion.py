@@ -31,7 +31,8 @@ def test_verbs_are_completed_without_loading_any() -> None:
     offered, loaded = completing("skolem re")
     assert offered == ["recover", "replay", "reproduce"]
     assert not loaded & HEAVY
-    assert not {name for name in loaded if name.startswith("skolem.tools.")} - {"skolem.tools.cli"}
+    rooms = {".".join(name.split(".")[:3]) for name in loaded if name.startswith("skolem.tools.")}
+    assert rooms == {"skolem.tools.cli", "skolem.tools.words"}  # `words` is no verb: it prints what comes from files
 
 
 @pytest.mark.parametrize(

@@ -66,6 +66,11 @@ class Replayed:
         """Whether the replay agrees with the record in everything."""
         return self.comparison.identical
 
+    @property
+    def believes_otherwise(self) -> bool:
+        """Whether a belief differs first: the estimator has changed, since it got the recorded observations."""
+        return any(found.topic == "/belief" and found.kind == "value" for found in self.comparison.divergences[:1])
+
 
 def replay(
     run: RecordedRun, options: Options, watch: Stopwatch | None = None, rulebooks: Rulebooks | None = None

@@ -61,6 +61,10 @@ class Replayer:
         lines = [_headline(replayed)]
         if other and (comparison.tolerated or not comparison.identical):
             lines.append(f"recorded on another machine ({', '.join(other)}): floats compared with tolerance")
+        if replayed.believes_otherwise:
+            acts = comparison.differing["/action"]
+            so = f"{acts} actions differ" if acts else "the robot acts as recorded"
+            lines.append(f"the estimator has changed: after the same observations it believes otherwise; {so}")
         lines += divergence_lines(comparison)
         if replayed.stopped:
             lines.append(f"stopped: {replayed.stopped}")
@@ -87,6 +91,7 @@ def _fields(replayed: Replayed, other: list[str]) -> dict[str, object]:
     return {
         "decisions": replayed.decisions,
         "ended": replayed.ended,
+        "estimator_changed": replayed.believes_otherwise,
         "other_end": replayed.other_end,
         "stopped": replayed.stopped,
         "simulated_s": round(replayed.simulated_s, 3),

@@ -236,12 +236,15 @@ def other_digit(topic: str, data: bytes) -> bytes:
 def test_one_changed_digit_is_noticed_in_every_topic(tmp_path: Path) -> None:
     topics = set(topics_of(physical_run()))
     assert topics > {"/robot/joint_states", "/tf", "/truth/state", "/truth/verdict"}
-    late = {"/truth/verdict": 2, "/run/end": None}  # what is written in the last step, and behind it
+    late = {  # what is written in the last step, and behind it; another digit may make a number that is written shorter
+        "/truth/verdict": (2,),
+        "/run/end": (2, None),
+    }
     for topic in sorted(topics):
         path = rewrite(physical_run(), tmp_path / "changed.mcap", partial(with_another_digit, topic))
         flaw = check(path).flaw
         assert flaw is not None, topic
-        assert flaw.step == late.get(topic, 0), (topic, flaw)
+        assert flaw.step in late.get(topic, (0,)), (topic, flaw)
         if CLASS_OF[topic] == TRUTH:
             assert flaw.message.startswith("what was recorded since the step before is not as the hash"), flaw
         path.unlink()
