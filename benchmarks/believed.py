@@ -203,6 +203,11 @@ class Imagined(PlainBelief):
         self._approached = str(activity)
         return MoveBase(start_T_waypoint=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
 
+    def tried(self, activity: Activity) -> int:
+        """Return 0: every drive is found."""
+        del activity
+        return 0
+
     def blockers(self, activity: Activity) -> tuple[str, ...]:
         """Return the movable anchors that block `activity` from everywhere; empty if it is free."""
         if activity.kind != "pick":

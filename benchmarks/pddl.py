@@ -11,8 +11,8 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 from benchmarks.problems import Problem, support
-from skolem.reasoner.planning.queries import IMPLAUSIBLE
 from skolem.reasoner.terms import nll
+from skolem.traces.messages import Limits
 
 _STEP: Final = nll(0.95)  # the step of CHOICE that puts the object down, micro-nats, as the rules price it
 _HOPED: Final = 0.1  # P of a property below which the detailed problem does not offer to look for it
@@ -94,7 +94,7 @@ CHOICE = f"""(define (domain choice)
 def choice(given: Problem) -> str:
     """Return the problem of the domain `CHOICE`, prices in micro-nats."""
     hidden = _hidden(given)
-    facts = [f"(plausible {item.name})" for item in given.items if item.meant >= IMPLAUSIBLE]
+    facts = [f"(plausible {item.name})" for item in given.items if item.meant >= Limits().min_plausible]
     facts += [f"(may-hold {region} {name})" for region, name in hidden.items()]
     facts += [f"(= (doubt {item.name}) {nll(item.meant)})" for item in given.items]
     facts += [f"(= (absence {region}) {nll(p)})" for region, p in given.regions.items()]

@@ -5,6 +5,7 @@ The `Turn` that it returns records everything: plans, searches, and the action o
 May import: planning.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -14,6 +15,7 @@ from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import Closest, PosedGoal, read_mutexes
 from skolem.reasoner.planning.hierarchy import Change, PlanStack, plan_step
 from skolem.reasoner.planning.instances import Instance, title
+from skolem.reasoner.planning.refusals import IMPOSSIBLE, IN_VAIN, NOT_FOUND, SPENT, UNLIKELY, Refusals, weakest
 from skolem.reasoner.planning.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.rulebook.book import Rulebook
@@ -33,9 +35,6 @@ from skolem.traces.messages import (
     RunStatus,
 )
 
-IMPOSSIBLE: Final = "found impossible in the believed world"  # what is said of a step that is refused
-UNLIKELY: Final = "too unlikely in detail"
-NOT_FOUND: Final = "not found in detail within the limits"
 MOST_EFFORT: Final = 4  # limits of searches are doubled so far before a run is given up for one of them
 _PRICE = "recalled"  # the single reason that stands for the costs of a recalled step
 _DEMANDED = "recalled"  # the single precondition that stands for those of a recalled step
@@ -80,7 +79,7 @@ class Agent:
         with rulebook.answerable():
             self.denotations = Denotations(goal.expressions, rulebook)
             self._mutexes = read_mutexes(rulebook)
-        self._refused: dict[tuple[Term, int], tuple[Term, str]] = {}  # (step, level) -> operation, reason
+        self._refused = Refusals()
         self._stopped = 0  # expansions of the longest search in this belief that ended at its limit
         self._too_deep = False  # whether a step of this belief was not refined, since the stack was as deep as may be
         self._effort = 1  # by which the limits of searches are multiplied in this belief
@@ -149,7 +148,7 @@ class Agent:
 
     def _pose(self) -> PosedGoal:
         parts = (self._goal, self._rulebook, self.denotations, self._belief, self._geometry, self._mutexes)
-        return PosedGoal(*parts, self._attempts.fruitless_here())
+        return PosedGoal(*parts, self._attempts.fruitless_here(), self._limits)
 
     def _denotation(self, step: int) -> Denotation:
         probabilities = {
@@ -197,17 +196,18 @@ class Agent:
         self._effort *= 2
         self._stopped, self._too_deep = 0, False
         self._in_vain = {search: why for search, why in self._in_vain.items() if why != NOT_FOUND}
-        self._refused = {step: told for step, told in self._refused.items() if told[1] != NOT_FOUND}
+        self._refused.forget_limits()
         return True
 
     def _drop_what_no_longer_applies(self, turn: Turn, step: int) -> None:
         def false_in(fluents: Subgoal) -> list[Term]:
             return [f for f in fluents if not self.posed.situation.holds(f)]
 
-        while changes := self._stack.select(self.posed.satisfied, false_in, self._is_refused):
+        met: set[str] = set()
+        while changes := self._stack.select(self.posed.satisfied, false_in, self._refused_for(met)):
             turn.plans.extend(self._stack.message(step, change) for change in changes)
             for useless in (each for change in changes for each in change.useless):
-                self._refused[useless.instance.step, useless.level] = useless.instance.operation, IMPOSSIBLE
+                self._refused.note(useless.instance, useless.level, weakest(met))
 
     def _plan(
         self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: PlanCause, final: Term | None = None
@@ -217,11 +217,12 @@ class Agent:
         if search in self._in_vain:
             return self._in_vain[search]
         calls, atoms = self.posed.offers.calls, self.posed.offers.ground_atoms
+        met: set[str] = set()
         found = regress(
             roots,
             self.posed.offers,
             self._stack.level_of,
-            self._is_refused,
+            self._refused_for(met),
             self._limits.expansions * self._effort,
             nll(self._limits.min_plan_probability),
             final,
@@ -235,7 +236,7 @@ class Agent:
             self._stack.push(found.steps)
             turn.plans.append(self._stack.message(step, Change(cause)))
             return ""
-        self._in_vain[search] = _why_none(found)
+        self._in_vain[search] = _why_none(found, met)
         return self._in_vain[search]
 
     def _decision(self, step: int, roots: tuple[Subgoal, ...], found: Found, calls: int, atoms: int) -> Decision:
@@ -252,12 +253,12 @@ class Agent:
             ground_atoms=atoms,
         )
 
-    def _refuse(self, turn: Turn, step: int, current: Step, why: str, *lacking: Term) -> None:
+    def _refuse(self, turn: Turn, step: int, current: Step, why: str, *lacking: Term, tried: int = 0) -> None:
         """Note that a step cannot be refined or executed in this belief, and drop the plan that it stands in.
 
         The plans above stay: what they need of this one is planned anew, without the step.
         """
-        self._refused[current.instance.step, current.level] = current.instance.operation, why
+        self._refused.note(current.instance, current.level, why, tried)
         self._stack.pop()
         turn.plans.append(self._stack.message(step, Change("refused", (current.instance.operation, *lacking))))
 
@@ -268,8 +269,11 @@ class Agent:
             self._refuse(turn, step, current, IMPOSSIBLE, lacking)
             return
         command = None if executes is None else self._command(executes)
-        if command is None or self._attempts.is_hopeless(executes):
-            self._refuse(turn, step, current, IMPOSSIBLE)
+        if self._attempts.is_hopeless(executes):
+            self._refuse(turn, step, current, IN_VAIN)
+        elif command is None:
+            tried = self._tried(executes)
+            self._refuse(turn, step, current, SPENT if tried else IMPOSSIBLE, tried=tried)
         else:
             self._executed = current
             turn.action = Action(
@@ -279,10 +283,20 @@ class Agent:
                 command=command,
             )
 
-    def _is_refused(self, instance: Instance, level: int) -> bool:
-        """Return whether a step is not to be planned with at a level, as long as the belief stays as it is."""
-        refused = (instance.step, level) in self._refused or instance.step in self._objections
-        return refused or self._attempts.is_hopeless(instance.executes)
+    def _refused_for(self, met: set[str]) -> Callable[[Instance, int], bool]:
+        """Return a test of whether a step is not to be planned with at a level in this belief; it adds why to `met`."""
+
+        def refused(instance: Instance, level: int) -> bool:
+            why = self._why_refused(instance, level)
+            met.update({why} if why else ())
+            return bool(why)
+
+        return refused
+
+    def _why_refused(self, instance: Instance, level: int) -> str:
+        if instance.step in self._objections:
+            return IMPOSSIBLE
+        return self._refused.reason(instance, level) or IN_VAIN * self._attempts.is_hopeless(instance.executes)
 
     def _judge_last(self) -> None:
         """Note whether the last action achieved the results that its step promised."""
@@ -302,18 +316,24 @@ class Agent:
         activity = self.posed.situation.activity(executes)
         return None if activity is None else self._geometry.ready(activity)
 
+    def _tried(self, executes: Term | None) -> int:
+        """Return after how many stances the motion planner gave up a drive; 0 if it showed that there is none."""
+        if not isinstance(executes, Compound) or executes.name != "move":
+            return 0
+        activity = self.posed.situation.activity(executes.args[0])
+        return 0 if activity is None else self._geometry.tried(activity)
+
     # ------------------------------------------------------------ ends
 
     def _give_up(self, turn: Turn, step: int) -> None:
         floor = self._limits.min_plan_probability
         reason = f"no plan with a probability of at least {floor:g} reaches the goal"
-        for why in (IMPOSSIBLE, UNLIKELY, NOT_FOUND):
-            names = sorted({title(name) for name, reason in self._refused.values() if reason == why})
-            reason += f"; {why}: {', '.join(names)}" if names else ""
+        reason += self._refused.told()
         reason += "".join(f"; {why}" for _, why in sorted(self._objections.items(), key=str))
         often = list(map(str, self._attempts.hopeless()))
         if often:
             reason += f"; without success {self._limits.repeats} times: {', '.join(sorted(often))}"
+        reason += self.posed.left_out()
         if self._stopped:
             reason += f"; stopped after {self._stopped} expansions ({self._effort} times limits.expansions)"
         if self._too_deep:
@@ -346,11 +366,11 @@ def _objects(command: Term | None) -> tuple[str, ...]:
     return tuple(str(a) for a in (command.args[1:] if command.name == "pick" else command.args))
 
 
-def _why_none(found: Found) -> str:
-    """Return in words why a search found no plan."""
+def _why_none(found: Found, met: Iterable[str]) -> str:
+    """Return in words why a search found no plan; `met` are the reasons for which it left out steps."""
     if not found.exhausted:
         return NOT_FOUND
-    return UNLIKELY if found.priced_out else IMPOSSIBLE
+    return weakest([*met, UNLIKELY] if found.priced_out else met)
 
 
 def _remembered(step: Step) -> RememberedStep:

@@ -137,6 +137,13 @@ class Geometry(Protocol):
         """Return a drive to a base pose from which `activity` can be done; for pick and place, its object is seen."""
         ...
 
+    def tried(self, activity: Activity) -> int:
+        """Return at how many stances motions were sought in vain before `approach` gave up; its budget is spent.
+
+        0 if it found a drive, or showed that none of its stances can serve.
+        """
+        ...
+
     def blockers(self, activity: Activity) -> tuple[str, ...] | None:
         """Return the movable anchors that block `activity` from every base pose; empty if nothing blocks it.
 

@@ -9,12 +9,13 @@ from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.offers import RuleOffers
 from skolem.reasoner.planning.patterns import Mutexes, mentions
-from skolem.reasoner.planning.queries import Queries
+from skolem.reasoner.planning.queries import DEFAULTS, Queries
 from skolem.reasoner.planning.regression import Subgoal
 from skolem.reasoner.planning.situation import Situation
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.rulebook.book import ABOUT_DESCRIPTIONS, Rulebook
 from skolem.reasoner.terms import Compound, Term, compound, substitute
+from skolem.traces.messages import Limits
 
 Binding = Mapping[Term, Term]
 
@@ -51,6 +52,7 @@ class PosedGoal:
         geometry: Geometry | None,
         mutexes: Mutexes,
         fruitless_here: Collection[Term] = (),
+        limits: Limits = DEFAULTS,
     ) -> None:
         self._goal = goal
         self._belief = belief
@@ -63,13 +65,21 @@ class PosedGoal:
             denotations.meanings,
             fruitless_here,
         )
-        queries = Queries(self.situation, denotations.alternatives)
+        self._limits = limits
+        self._queries = queries = Queries(self.situation, denotations.alternatives, limits)
         self.offers = RuleOffers(rulebook, self.situation, queries, mutexes)
         self.instantiations = self._instantiate()
 
     def achieved(self) -> Subgoal | None:
         """Return the first instantiation whose fluents all hold; None if there is none."""
         return next((root for root in self.instantiations if self.holds_all(root)), None)
+
+    def left_out(self) -> str:
+        """Return which objects and regions were too implausible to be considered, as a continued sentence."""
+        names = sorted(self._queries.left_out)
+        least = f"below {self._limits.min_plausible:g} (limits.min_plausible)"
+        said = f"; not considered, as P that they are or hold what is meant is {least}: {', '.join(names)}"
+        return said if names else ""
 
     def holds_all(self, fluents: Subgoal) -> bool:
         """Return whether all fluents hold; geometric fluents are tested last, since they cost most."""

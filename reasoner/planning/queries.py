@@ -14,21 +14,26 @@ from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.situation import Situation, hand_named, quantity_named
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Compound, Term, nll, prob
-from skolem.traces.messages import TypeIs
+from skolem.traces.messages import Limits, TypeIs
 
-IMPLAUSIBLE: Final = 0.001  # least P(denoted) of an object, or P(ExistsIn) of a region, that is worth a look
-_REPEATED: Final = 0.5
+DEFAULTS: Final = Limits()
 
 Alternatives = Mapping[str, tuple[tuple[str, ...], ...]]  # expression -> sets of properties, each enough for it
 
 
 class Queries:
-    """Answers for one situation."""
+    """Answers for one situation.
 
-    def __init__(self, situation: Situation, alternatives: Alternatives) -> None:
+    Attributes:
+        left_out: Objects and regions that were left out of answers, since they are less plausible than the limit.
+    """
+
+    def __init__(self, situation: Situation, alternatives: Alternatives, limits: Limits = DEFAULTS) -> None:
         self._now = situation
         self._alternatives = alternatives
         self._known = frozenset(situation.anchors())
+        self._limits = limits
+        self.left_out: set[str] = set()
 
     def anchors(self) -> list[Term]:
         """Every anchor believed to exist."""
@@ -41,7 +46,7 @@ class Queries:
     def plausible(self, expression: str) -> list[Term]:
         """The anchors that the description may denote, likeliest first."""
         priced = [(nll(self._den(expression, a)), i, a) for i, a in enumerate(self._now.anchors())]
-        return [a for cost, _, a in sorted(priced) if cost <= nll(IMPLAUSIBLE)]
+        return [a for cost, _, a in sorted(priced) if self._is_plausible(a, cost)]
 
     def present(self, expression: str, anchor: str) -> Term:
         """-ln P_p: the probability that the description denotes the anchor now."""
@@ -52,7 +57,7 @@ class Queries:
         found: list[Term] = []
         for region in self._now.belief.regions():
             cost = nll(self._now.probability(Compound("exists_in", (expression, region))))
-            if cost <= nll(IMPLAUSIBLE) and nll(self._now.belief.prob_contents(region)) > p:
+            if nll(self._now.belief.prob_contents(region)) > p and self._is_plausible(region, cost):
                 found.append(Compound("", (region, cost)))
         return found
 
@@ -106,9 +111,9 @@ class Queries:
     def favourable(self, word: str, anchor: str, p: int) -> Term:
         """-ln P(one observation lifts the belief in the property to the bound | the property is true).
 
-        It costs at most even odds, since an observation that falls short can be repeated.
+        It costs no more than the limit says, since an observation that falls short can be repeated.
         """
-        return nll(max(_REPEATED, self._now.belief.prob_favourable(anchor, self._now.meanings[word], prob(p))))
+        return nll(max(self._limits.min_favourable, self._favourable(word, anchor, p)))
 
     def band(self, word: str, anchor: str, p: int) -> list[Term]:
         """(mu, Sigma, Delta) of the quantity from which the property follows; empty if the sensor is too weak."""
@@ -189,6 +194,16 @@ class Queries:
     def _set_of(self, expression: str, props: Compound) -> tuple[str, ...]:
         """Return the largest sufficient set of properties that contains `props`."""
         return max((words for words in self._alternatives[expression] if set(props.args) <= set(words)), key=len)
+
+    def _is_plausible(self, name: str, cost: int) -> bool:
+        """Return whether an object is plausible enough as what is meant, or a region as the place of it."""
+        if cost > nll(self._limits.min_plausible):
+            self.left_out.add(name)
+            return False
+        return True
+
+    def _favourable(self, word: str, anchor: str, p: int) -> float:
+        return self._now.belief.prob_favourable(anchor, self._now.meanings[word], prob(p))
 
     def _den(self, expression: str, anchor: str) -> float:
         return self._now.probability(Compound("den", (expression, anchor)))

@@ -58,6 +58,7 @@ class PlanningWorld:
         self._surveyor = Surveyor(self._world, candidates)
         self._clearing = Clearing(self._world, arms, candidates, self._trials, self._surveyor)
         self._answers: dict[Question, Command | None] = {}
+        self._tried: dict[Question, int] = {}  # stances at which motions were planned in vain
         self._ways: dict[Question, Way | None] = {}
         self._making_room = MakingRoom(self._world, candidates)
         self._rooms: dict[Question, Room | None] = {}
@@ -70,7 +71,7 @@ class PlanningWorld:
         """Take over a belief; if it equals the last one, answers are kept."""
         if belief != self._belief:
             self._belief = belief
-            self._answers, self._ways, self._rooms = {}, {}, {}
+            self._answers, self._tried, self._ways, self._rooms = {}, {}, {}, {}
             self._world.update(belief)
             self._surveyor.update(belief)
 
@@ -87,6 +88,16 @@ class PlanningWorld:
         answer = answer or self._kept("approach", activity, self._approach, narrow=True)
         assert answer is None or isinstance(answer, MoveBase)
         return answer
+
+    def tried(self, activity: Activity) -> int:
+        """Return the number of stances at which arms or drives were planned in vain; 0 if `approach` has an answer.
+
+        A stance that the base's outline, the reach of the arm or the camera rules out is not counted: that is shown.
+        """
+        if self.approach(activity) is not None:
+            return 0
+        searches = ("approach", "approach narrow")
+        return sum(self._tried.get(self._key(search, activity), 0) for search in searches)
 
     def blockers(self, activity: Activity) -> tuple[str, ...] | None:
         """Return all movable objects that block one way of doing the activity, sorted.
@@ -135,7 +146,9 @@ class PlanningWorld:
             clear_of = None if later is None or later.kind == "place" else self._way_to_keep(later)
             self._world.reset()
             with self._world.supposing(activity.anchor), self._world.narrowed() if narrow else contextlib.nullcontext():
-                self._answers[key] = answer(self._task(activity, clear_of))
+                task = self._task(activity, clear_of)
+                self._answers[key] = answer(task)
+                self._tried[key] = 0 if task is None else len(task.in_vain)
         return self._answers[key]
 
     def _kept_way(self, question: str, activity: Activity, answer: Callable[[Activity], Way | None]) -> Way | None:
@@ -208,6 +221,7 @@ class PlanningWorld:
             path = drive(self._world, self._believed.world_T_base, stance, self._path_seed(BASE_STREAM, drives))
             if path is not None:
                 return MoveBase(start_T_waypoint=path)
+            task.in_vain.append(stance)
         return None
 
     def _serving(self, task: Task) -> Iterator[Pose2]:

@@ -5,7 +5,7 @@ Cheap tests come first and whole motions last; each kind has a limit by count, n
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,10 +48,11 @@ EFFORTS = (Effort(16, 4, SAME_M, SAME_RAD), Effort(40, 8, 0.2, 0.5))
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """An activity, with the possible spots if it is a place."""
+    """An activity, with the possible spots if it is a place, and the stances where motions were sought in vain."""
 
     activity: Activity
     spots: Spots | None = None
+    in_vain: list[Pose2] = field(default_factory=list)
 
 
 class Trials:
@@ -147,6 +148,7 @@ class Trials:
                         yield stance
                         continue
                 failed.append(stance)
+                task.in_vain.append(stance)
 
     def _is_asked_for(self, stance: Pose2, activity: Activity, belief: Belief) -> bool:
         """Return whether a stance is allowed: after a look in vain it must be on another side of the object."""

@@ -81,6 +81,13 @@ class SymbolicGeometry:
             return None
         return MoveBase(start_T_waypoint=(compose2(inverse2(self._now.world_T_base), stance),))
 
+    def tried(self, activity: Activity) -> int:
+        """Return the number of spots that were tried for a place, if there are more; 0 if `approach` has an answer."""
+        if activity.kind != "place" or activity.support is None or self.approach(activity) is not None:
+            return 0
+        tried = sum(1 for _ in self._spots(activity, activity.support))
+        return tried if tried == SPOTS else 0
+
     def blockers(self, activity: Activity) -> tuple[str, ...] | None:
         """Return the blockers of the way with the fewest, sorted; empty if that is free or there is no way.
 

@@ -163,6 +163,7 @@ class TableGeometry:
     def __init__(self) -> None:
         self.at: set[str] = set()
         self.impossible: set[str] = set()
+        self.spent: dict[str, int] = {}  # of what is in `impossible`: stances tried before the budget was spent
         self.in_the_way: dict[str, tuple[str, ...]] = {}
         self.asked: list[str] = []
 
@@ -184,6 +185,9 @@ class TableGeometry:
         if str(activity) not in self.at:
             return None
         return _command(activity)
+
+    def tried(self, activity: Activity) -> int:
+        return self.spent.get(str(activity), 0)
 
     def blockers(self, activity: Activity) -> tuple[str, ...]:
         self.asked.append(f"blockers {activity}")

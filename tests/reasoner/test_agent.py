@@ -82,7 +82,8 @@ def test_no_geometry_is_asked_about_a_later_abstract_step_before_the_first_is_do
     for turn in play.turns_to_the_end():
         if turn.action is not None and turn.action.op == "LookAt(sodaC)":
             break
-    assert not [q for q in play.geometry.asked if "pick" in q or "place" in q]
+    room = "blockers place"  # which takes no motion
+    assert not [q for q in play.geometry.asked if "pick" in q or ("place" in q and not q.startswith(room))]
 
 
 def test_without_a_plan_the_run_ends_with_the_reason_and_the_best_candidate(rulebook: Rulebook) -> None:
@@ -296,7 +297,11 @@ def test_plans_may_change_as_often_as_the_limit_says(rulebook: Rulebook, monkeyp
     assert play.turns[-1].end.reason.startswith("plans changed 6 times")
 
 
-def test_the_stack_is_as_deep_as_the_limit_says_and_no_deeper(rulebook: Rulebook) -> None:
+def test_the_stack_is_as_deep_as_the_limit_says_and_no_deeper(
+    rulebook: Rulebook, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(agent, "MOST_EFFORT", 1)
+
     def deepest(limit: int) -> int:
         limits = LIMITS.model_copy(update={"hierarchy_depth": limit})
         play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": GREEN}, limits=limits)
@@ -338,6 +343,45 @@ def test_the_end_says_of_each_step_whether_it_was_impossible_or_too_unlikely(rul
     assert "found impossible in the believed world: ExamineObj(e1, sodaB)" in reason(1e-4, *looks)
     assert "too unlikely" not in reason(1e-4, *looks)
     assert "; too unlikely in detail: ExamineObj(e1, sodaC)" in reason(0.1)
+
+
+def test_a_run_that_ends_for_a_budget_says_so_and_calls_nothing_impossible(rulebook: Rulebook) -> None:
+    """Neither the drive whose search was given up, nor what would have needed it, was shown to be impossible."""
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN})
+    play.geometry.impossible = {"pick(right, sodaC)", "pick(left, sodaC)"}
+    play.geometry.spent = {"pick(right, sodaC)": 44, "pick(left, sodaC)": 7}
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    tried = "Move(pick(left,sodaC)) (tried 7 stances), Move(pick(right,sodaC)) (tried 44 stances)"
+    assert f"; budget of the motion planner spent: {tried}" in end.reason
+    assert "impossible" not in end.reason
+    assert re.search(r"; not found in detail within the limits: .*Pick\(sodaC\)", end.reason)
+
+
+def test_what_fails_for_an_action_without_success_is_not_called_impossible(rulebook: Rulebook) -> None:
+    limits = LIMITS.model_copy(update={"repeats": 2})
+    play = Play(rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": GREEN}, limits=limits)
+    play.fails = {"Pick(sodaC)"}
+    play.run()
+    end = play.turns[-1].end
+    assert end is not None
+    assert "without success 2 times: pick(left,sodaC), pick(right,sodaC)" in end.reason
+    assert "impossible" not in end.reason
+
+
+def test_what_is_too_implausible_to_be_tried_is_named_with_its_limit(rulebook: Rulebook) -> None:
+    def reason(least: float) -> str:
+        limits = LIMITS.model_copy(update={"min_plausible": least})
+        play = Play(
+            rulebook, GREEN_TO_TABLE1, three_sodas(), {"sodaE": RED, "sodaB": BLUE, "sodaC": RED}, limits=limits
+        )
+        play.run()
+        assert play.turns[-1].end is not None
+        return play.turns[-1].end.reason
+
+    assert re.search(r"is below 0.04 \(limits.min_plausible\): .*sodaB", reason(0.04))
+    assert "min_plausible" not in reason(0.0)
 
 
 def test_a_decision_records_its_own_calls_and_atoms_and_how_near_its_plan_is_to_the_best(rulebook: Rulebook) -> None:

@@ -1,3 +1,3 @@
-"""The verb `explain`. May import: recorded, words, reasoner.agent, reasoner.planning."""
+"""The verb `explain`. May import: recorded, words, reasoner.planning."""
 
 __all__ = ()

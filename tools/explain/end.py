@@ -4,11 +4,10 @@ import math
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from skolem.reasoner.agent import IMPOSSIBLE, NOT_FOUND, UNLIKELY
 from skolem.reasoner.planning.goals import nearness
 from skolem.reasoner.planning.hierarchy import PlanStack
 from skolem.reasoner.planning.instances import title
-from skolem.reasoner.planning.queries import IMPLAUSIBLE
+from skolem.reasoner.planning.refusals import IMPOSSIBLE, IN_VAIN, NOT_FOUND, SPENT, UNLIKELY
 from skolem.reasoner.planning.regression import Step, regress
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, parse_term, prob
 from skolem.tools.explain.insight import Insight, Truth, truth
@@ -237,7 +236,7 @@ def _impossible(insight: Insight, end: RunEnd, refused: Sequence[Refusal], in_va
         if op in said.get(UNLIKELY, ""):
             floor = f"limits.min_plan_probability below {insight.given.limits.min_plan_probability:g}"
             yield Remedy("threshold", f"{op} has no way to be done that is likely enough", floor)
-        elif op not in said.get(NOT_FOUND, ""):  # for those, the remedy limits.expansions is yielded elsewhere
+        elif not any(op in said.get(why, "") for why in (NOT_FOUND, IN_VAIN, SPENT)):  # their remedies stand elsewhere
             finding = f"{op} was {IMPOSSIBLE}"
             yield Remedy(
                 "geometry", finding, "a way to do it: other things, another arrangement, or a better known one"
@@ -245,6 +244,7 @@ def _impossible(insight: Insight, end: RunEnd, refused: Sequence[Refusal], in_va
     for answer in insight.recorded.answers:
         if answer.query.startswith("approach") and answer.answer is None:
             finding = f"no way to {answer.query.removeprefix('approach ')}"
+            finding += f" was found; {SPENT}, tried {answer.tried} stances" if answer.tried else ""
             yield Remedy("geometry", finding, "a free place within reach for it")
 
 
@@ -260,5 +260,7 @@ def _regions(insight: Insight) -> Iterator[Remedy]:
             p = insight.posed.situation.probability(Compound("exists_in", (expression, region)))
             seen = truth(insight, Compound("b", (Compound("contents", (region,)), 0))).probability
             finding = f"{region}: seen {seen:.2f}, p = {p:.2g} that something hidden in it is meant by {text}"
-            least = f"below {IMPLAUSIBLE:g} it is not searched" if p < IMPLAUSIBLE else "its contents count as known"
+            floor = insight.given.limits.min_plausible
+            below = f"below {floor:g} it is not searched, limits.min_plausible"
+            least = below if p < floor else "its contents count as known"
             yield Remedy("region", finding, f"an unseen part, or more objects expected there ({least})")

@@ -60,7 +60,7 @@ class Insight:
 
     def derivation(self, fluent: Term) -> Derivation:
         """Return the derivation of the rules for a fluent."""
-        queries = Queries(self.posed.situation, self.denotations.alternatives)
+        queries = Queries(self.posed.situation, self.denotations.alternatives, self.given.limits)
         return Derivation(self.given.rulebook, [compound("goal", fluent)], queries)
 
     def stack(self) -> Memory | None:
@@ -78,7 +78,7 @@ class Insight:
 def insights(run: RecordedRun, given: Given, steps: Iterable[int]) -> Iterator[Insight]:
     """Yield the mind at each of some decisions, in order."""
     wanted = sorted(set(steps))
-    geometry = RecalledGeometry()
+    geometry = RecalledGeometry(suppose_room=True)  # so that plans which the robot did not weigh can be compared
     mind = Mind(given.goal, given.rulebook, given.prior, given.limits, geometry, _unrecorded, Stopwatch())
     for recorded in run.steps():
         if recorded.step in wanted:

@@ -4,7 +4,6 @@ import itertools
 from dataclasses import dataclass
 
 from skolem.reasoner.planning.instances import title
-from skolem.reasoner.planning.queries import IMPLAUSIBLE
 from skolem.reasoner.planning.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, compound, nll, parse_term, prob, substitute
 from skolem.tools.explain.insight import Insight, Truth, truth
@@ -181,6 +180,7 @@ def _not_offered(insight: Insight, name: Term) -> str:
         (insight.denotations.probability(e, str(name), insight.belief) for e in insight.given.goal.expressions),
         default=1.0,
     )
-    if least < IMPLAUSIBLE:
-        return f"implausible: p = {least:.2g} that it is meant, below {IMPLAUSIBLE:g}"
+    floor = insight.given.limits.min_plausible
+    if least < floor:
+        return f"implausible: p = {least:.2g} that it is meant, below {floor:g} (limits.min_plausible)"
     return "others are likelier meant, and only the likeliest are considered"

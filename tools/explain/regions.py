@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from skolem.reasoner.planning.instances import Instance, title
-from skolem.reasoner.planning.queries import IMPLAUSIBLE
 from skolem.reasoner.planning.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, prob
 from skolem.tools.explain.insight import Insight, mentioned
@@ -70,7 +69,7 @@ def _option(
     p = {e: situation.probability(Compound("exists_in", (e, region))) for e in wanted}
     contents = insight.belief.prob_contents(region)
     is_chosen = chosen is not None and chosen.steps is not None and region in _searched(chosen)
-    why = _not_searchable(p, contents, wanted)
+    why = _not_searchable(p, contents, wanted, insight.given.limits.min_plausible)
     found = None if why else chosen if is_chosen else _by_way_of(insight, region, root)
     if not why and not is_chosen:
         why = _not_chosen(insight, found, rival)
@@ -102,11 +101,11 @@ def _by_way_of(insight: Insight, region: str, root: Subgoal) -> Found | None:
     return planned(insight, root, CAP_MICRONATS, elsewhere)
 
 
-def _not_searchable(p: dict[str, float], contents: float, wanted: dict[str, int]) -> str:
+def _not_searchable(p: dict[str, float], contents: float, wanted: dict[str, int], least: float) -> str:
     """Return why no rule offers a search of a region; empty if one does, by the conditions of @searchable."""
-    if max(p.values(), default=0.0) < IMPLAUSIBLE:
-        likeliest = max(p.values(), default=0.0)
-        return f"implausible: p = {likeliest:.2g} that such a thing is in it, below {IMPLAUSIBLE:g}"
+    likeliest = max(p.values(), default=0.0)
+    if likeliest < least:
+        return f"implausible: p = {likeliest:.2g} that such a thing is in it, below {least:g} (limits.min_plausible)"
     bound = max((prob(c) for c in wanted.values()), default=1.0)
     if contents >= bound:
         return f"what it holds is known, with p = {contents:.2f}"

@@ -41,8 +41,14 @@ class RecordedGeometry:
         """Return a drive to where `activity` can be done, or None."""
         with self._watch.part(MOTION_PLANNING):
             answer = self._geometry.approach(activity)
-        self._log(question("approach", activity), answer)
+            tried = 0 if answer is not None else self._geometry.tried(activity)
+        self._log(question("approach", activity), answer, tried=tried)
         return answer
+
+    def tried(self, activity: Activity) -> int:
+        """Return after how many stances the search of a drive was given up; the record of the drive has it."""
+        with self._watch.part(MOTION_PLANNING):
+            return self._geometry.tried(activity)
 
     def blockers(self, activity: Activity) -> tuple[str, ...] | None:
         """Return the objects that block `activity`; None if there is no room for it."""
@@ -51,8 +57,15 @@ class RecordedGeometry:
         self._log(question("blockers", activity), blockers=found)
         return found
 
-    def _log(self, query: str, answer: Command | None = None, blockers: tuple[str, ...] | None = None) -> None:
+    def _log(
+        self, query: str, answer: Command | None = None, blockers: tuple[str, ...] | None = None, tried: int = 0
+    ) -> None:
         asked = messages.Geometry(
-            step=self._step, query=query, belief_version=self._version, answer=answer, blockers=blockers
+            step=self._step,
+            query=query,
+            belief_version=self._version,
+            answer=answer,
+            blockers=blockers,
+            tried=tried,
         )
         self._write("/geometry", asked)

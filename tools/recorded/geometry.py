@@ -20,15 +20,18 @@ class RecalledGeometry:
         planned: Number of questions that the planner answered.
     """
 
-    def __init__(self, planner: Callable[[], Planner] | None = None, recall: bool = True) -> None:
+    def __init__(
+        self, planner: Callable[[], Planner] | None = None, recall: bool = True, suppose_room: bool = False
+    ) -> None:
         """Start without recorded answers.
 
         Args:
             planner: Makes the planner at the first question that the trace does not answer; None: such a question
                 raises `NotRecordedError`.
             recall: Whether recorded answers are used at all.
+            suppose_room: Whether a support has room for an object if the run did not ask.
         """
-        self._make, self._recall = planner, recall
+        self._make, self._recall, self._suppose_room = planner, recall, suppose_room
         self.unanswered: str | None = None
         self.planned = 0
         self._planner: Planner | None = None
@@ -56,9 +59,16 @@ class RecalledGeometry:
             return self._ask("approach", activity).approach(activity)
         return known.answer if isinstance(known.answer, MoveBase) else None
 
+    def tried(self, activity: Activity) -> int:
+        """Return after how many stances the search of a drive was given up; 0 if it showed that there is none."""
+        known = self._known.get(question("approach", activity))
+        return self._ask("approach", activity).tried(activity) if known is None else known.tried
+
     def blockers(self, activity: Activity) -> tuple[str, ...] | None:
         """Return the objects that block `activity`; None if there is no room for it."""
         known = self._known.get(question("blockers", activity))
+        if known is None and self._suppose_room and activity.kind == "place":
+            return ()
         return self._ask("blockers", activity).blockers(activity) if known is None else known.blockers
 
     def close(self) -> None:

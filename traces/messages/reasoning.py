@@ -108,3 +108,6 @@ class Geometry(Message):
     belief_version: int
     answer: Command | None = None
     blockers: tuple[Anchor, ...] | None = Field(default=None, description="of a question what stands in the way")
+    tried: int = Field(
+        default=0, description="of a drive not found: stances tried until the budget was spent; 0: shown"
+    )

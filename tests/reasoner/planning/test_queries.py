@@ -6,7 +6,7 @@ from kit.minds import TableBelief, TableGeometry, Thing
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.planning.situation import Situation
 from skolem.reasoner.terms import nll, parse_term
-from skolem.traces.messages import TypeIs
+from skolem.traces.messages import Limits, TypeIs
 
 NINE = nll(0.9)
 MEANINGS = {name: TypeIs(type=name) for name in ("table", "soda", "cold", "full")}
@@ -49,6 +49,20 @@ def test_a_set_has_an_even_share_of_the_bound_for_each_property() -> None:
     asked = queries(("soda", "cold", "full"))
     props = parse_term("(cold,full)")
     assert asked.portion("e1", props, "can", 90) == 60  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("least", "found"), [(0.5, list(THINGS)), (0.51, [])])
+def test_what_is_less_plausible_than_the_limit_is_left_out_and_named(least: float, found: list[str]) -> None:
+    situation = Situation(TableBelief(THINGS), TableGeometry(), lambda *_: 0.5, lambda *_: 0.5, MEANINGS)
+    asked = Queries(situation, {}, Limits(min_plausible=least))
+    assert asked.plausible("e1") == found
+    assert asked.left_out == set(THINGS).difference(found)
+
+
+def test_an_observation_costs_no_more_than_the_limit_says() -> None:
+    situation = Situation(TableBelief(THINGS), TableGeometry(), lambda *_: 0.5, lambda *_: 0.5, MEANINGS)
+    costs = [Queries(situation, {}, Limits(min_favourable=p)).favourable("cold", "can", NINE) for p in (0.5, 0.95)]
+    assert costs == [nll(0.9), nll(0.95)]
 
 
 def test_what_stands_on_a_support_is_told_and_nothing_of_what_supports_nothing() -> None:

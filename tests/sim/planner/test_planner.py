@@ -247,6 +247,22 @@ def test_a_search_of_stances_that_found_none_is_widened(
         assert (planner.approach(pick) is not None) == is_found
 
 
+def test_a_search_that_was_given_up_tells_how_many_stances_it_tried_and_one_that_shows_something_tells_none(
+    planner: PlanningWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pick = Activity("pick", "soda2", "right")
+    monkeypatch.setattr(trials, "EFFORTS", (dataclasses.replace(trials.EFFORTS[0], sketched=3),))
+    for sketches, tried in ((True, 0), (False, 2 * 3)):  # with objects widened by their doubt, and without
+        monkeypatch.setattr(trials.Trials, "_sketch", lambda *_, sketches=sketches: sketches)
+        planner.sync(scenes.belief(scenes.sodas(), version=60 + sketches))
+        assert (planner.approach(pick) is not None) == sketches
+        assert planner.tried(pick) == tried
+    far_from_the_edge = scenes.tables() | {"soda2": scenes.believed("soda", (0.0, 0.0, 3.0, 0.0), 0.0)}
+    planner.sync(scenes.belief(far_from_the_edge, version=70))
+    assert planner.approach(pick) is None
+    assert planner.tried(pick) == 0
+
+
 # ---------------------------------------------------------------- driving
 
 

@@ -100,7 +100,7 @@ def test_searches_that_stopped_at_their_limit_are_said_to_have_although_a_later_
     trace = Trace(recorded("behind", 0, "symbolic", ("limits.expansions=1",)))
     (end,) = trace.of(RunEnd)
     assert end.status == "goal_unachievable"
-    assert re.search(r"; stopped after \d+ expansions \(limits.expansions\)$", end.reason)
+    assert re.search(r"; stopped after \d+ expansions \(\d times limits.expansions\)", end.reason)
 
 
 def test_only_a_search_that_stopped_at_its_limit_is_said_to_have() -> None:

@@ -148,13 +148,13 @@ def test_a_trace_without_memory_is_replayed_from_its_start_only(tmp_path: Path) 
 def test_a_hidden_input_of_a_decision_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reasoner that looks at something beside what it is given, here at how often it was built."""
     path, calls = tmp_path / "run.mcap", [0]
-    is_refused = Agent._is_refused
+    why_refused = Agent._why_refused
 
-    def moody(self: Agent, instance: Instance, level: int) -> bool:
+    def moody(self: Agent, instance: Instance, level: int) -> str:
         calls[0] += 1
-        return calls[0] == 40 or is_refused(self, instance, level)
+        return "moody" if calls[0] == 40 else why_refused(self, instance, level)
 
-    monkeypatch.setattr(Agent, "_is_refused", moody)
+    monkeypatch.setattr(Agent, "_why_refused", moody)
     run(prepare(SCENARIOS / "sim1_green.yaml", (), 0, "symbolic"), path)
     replayed = again(path)
     assert not replayed.identical

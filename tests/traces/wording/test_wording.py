@@ -212,6 +212,8 @@ def test_what_is_no_term_is_not_read(text: str) -> None:
 def test_terms_within_a_sentence_read_as_words_and_those_of_rules_stay() -> None:
     said = WORDS.sentence("found impossible: Weigh(sodaC), Place(o1, table1); nothing (yet) of B(o) or own(o1)")
     assert said == "found impossible: weigh sodaC, place o1 on table1; nothing (yet) of B(o) or own(o1)"
+    spent = WORDS.sentence("budget of the motion planner spent: Move(pick(right,sodaC)) (tried 44 stances)")
+    assert spent == "budget of the motion planner spent: drive to pick sodaC with the right hand (tried 44 stances)"
     rule = "a rule that executes weigh(O) must demand held(right, O)"
     assert WORDS.sentence(rule) == rule
     assert AS_RECORDED.sentence("Weigh(sodaC)") == "Weigh(sodaC)"
