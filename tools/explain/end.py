@@ -162,18 +162,13 @@ def _limits(insight: Insight, end: RunEnd) -> Iterator[Remedy]:
 
 
 def _in_vain(insight: Insight, after: Memory | None) -> dict[str, int]:
-    """Return the actions that are not tried again, with the number of their failures.
+    """Return the commands that are not tried again, with the number of their failures.
 
     The last action is judged at the beginning of the last decision.
     """
-    before, most = insight.recorded.memory, insight.given.limits.repeats
-    if before is None:
-        return {}
-    done = {step: step for step, count in before.failures.items() if count >= most}
-    done |= {} if before.executed is None else {before.executed.instance: before.executed.called}
-    failures = (after or before).failures
-    often = {step: count for step, count in sorted(failures.items()) if step in done and count >= most}
-    return {title(parse_term(done[step])): count for step, count in often.items()}
+    memory, most = after or insight.recorded.memory, insight.given.limits.repeats
+    failures = {} if memory is None else memory.failures
+    return {title(parse_term(command)): count for command, count in sorted(failures.items()) if count >= most}
 
 
 def _threshold(insight: Insight) -> Iterator[Remedy]:
