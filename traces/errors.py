@@ -84,6 +84,10 @@ class TraceError(SkolemError):
     """A trace cannot be read or is not sound."""
 
 
+class NotRecordedError(SkolemError):
+    """A geometric question has no answer in a trace, and there is no planner."""
+
+
 class UnwrittenError(TraceError):
     """A trace cannot be written to its end; the message names the file that holds the written part."""
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import clingo
 
 from skolem.reasoner.terms import Term, from_symbol, to_symbol
-from skolem.traces.errors import RuleError
+from skolem.traces.errors import NotRecordedError, RuleError
 
 Symbols = clingo.Symbol | list[clingo.Symbol]  # a query's answer, to clingo
 
@@ -38,6 +38,8 @@ class Asked:
             arguments = tuple(map(from_symbol, symbols))
             found: Term | list[Term] = getattr(self._queries, name)(*arguments)
             return [to_symbol(term) for term in found] if isinstance(found, list) else to_symbol(found)
+        except NotRecordedError:
+            raise  # no fault of a rule
         except Exception as error:
             text = f"@{name}({', '.join(map(str, symbols))})"
             raise RuleError(f"query {text} failed: {type(error).__name__}: {error}", f"@{name}") from error

@@ -14,8 +14,8 @@ from skolem.tools.explain.insight import Insight, Truth, truth
 from skolem.tools.explain.objects import Choice
 from skolem.tools.explain.plans import planned
 from skolem.tools.explain.refusals import Refusal, ruled_out
-from skolem.tools.recorded.geometry import NotRecordedError
 from skolem.tools.recorded.run import RecordedStep
+from skolem.traces.errors import NotRecordedError
 from skolem.traces.messages import Decision, Memory, Plan, RunEnd, RunStatus
 
 DOUBTFUL = 0.5

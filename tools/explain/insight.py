@@ -16,10 +16,10 @@ from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.terms import ANY, Compound, Term, compound, prob
 from skolem.tools.loop.mind import Mind
 from skolem.tools.loop.stopwatch import Stopwatch
-from skolem.tools.recorded.geometry import NotRecordedError, RecalledGeometry
+from skolem.tools.recorded.geometry import RecalledGeometry
 from skolem.tools.recorded.rethinking import Given
 from skolem.tools.recorded.run import RecordedRun, RecordedStep
-from skolem.traces.errors import Fault, InputError
+from skolem.traces.errors import Fault, InputError, NotRecordedError
 from skolem.traces.messages import Decision, Memory, Message, Plan, PlanStep, Quantity, RememberedStep
 from skolem.traces.wording import amounts
 from skolem.traces.wording.recorded import Recorded

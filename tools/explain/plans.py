@@ -8,7 +8,7 @@ from skolem.reasoner.planning.regression import Found, Subgoal, regress
 from skolem.reasoner.terms import prob
 from skolem.tools.explain.insight import Insight
 from skolem.tools.explain.refusals import Refused
-from skolem.tools.recorded.geometry import NotRecordedError
+from skolem.traces.errors import NotRecordedError
 
 
 def never(_instance: Instance, _level: int) -> bool:

@@ -8,7 +8,7 @@ from skolem.reasoner.planning.patterns import Mutexes
 from skolem.reasoner.planning.regression import Found, Offers, Subgoal, regress
 from skolem.reasoner.terms import Term, nll, parse_term
 from skolem.tools.explain.insight import Insight
-from skolem.tools.recorded.geometry import NotRecordedError
+from skolem.traces.errors import NotRecordedError
 from skolem.traces.messages import Memory, Plan, PlanStep
 
 

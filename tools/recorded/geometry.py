@@ -4,12 +4,8 @@ from collections.abc import Callable, Iterable
 
 from skolem.tools.loop.recorded_geometry import Asked, question
 from skolem.tools.loop.worlds import Planner
-from skolem.traces.errors import SkolemError
+from skolem.traces.errors import NotRecordedError
 from skolem.traces.messages import Activity, Belief, Command, Geometry, MoveBase
-
-
-class NotRecordedError(SkolemError):
-    """A geometric question has no answer in the trace, and there is no planner."""
 
 
 class RecalledGeometry:
