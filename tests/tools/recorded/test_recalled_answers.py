@@ -5,7 +5,8 @@ from kit.minds import TableGeometry
 
 from skolem.tools.loop.recorded_geometry import RecordedGeometry
 from skolem.tools.loop.stopwatch import Stopwatch
-from skolem.tools.recorded.geometry import NotRecordedError, RecalledGeometry
+from skolem.tools.recorded.geometry import RecalledGeometry
+from skolem.traces.errors import NotRecordedError
 from skolem.traces.messages import Activity, Geometry, Message
 
 PICK = Activity("pick", "it", "right")
