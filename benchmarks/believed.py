@@ -157,7 +157,9 @@ class Imagined(PlainBelief):
         yaw = thing.pose_sd if thing.table else 2.0
         return Normal(np.array([*thing.at, 0.0]), np.diag([thing.pose_sd, thing.pose_sd, yaw]) ** 2)
 
-    def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
+    def observation_covariance(
+        self, quantity: Quantity, anchor: str, at: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
         """Covariance of one observation of the quantity, in the space of `gaussian`."""
         if quantity == "weight":
             return np.array([[0.1**2]])

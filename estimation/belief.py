@@ -273,16 +273,21 @@ class Belief:
             return Gaussian(np.array([log_kg]), np.array([[variance]]), track.exists)
         raise InternalError(f"'{quantity}' is not a Gaussian quantity; those are: pose, colour, weight")
 
-    def observation_covariance(self, quantity: Quantity, anchor: str) -> Matrix:
-        """Covariance of one observation of the quantity, in the space of `gaussian`."""
+    def observation_covariance(self, quantity: Quantity, anchor: str, at: Matrix | None = None) -> Matrix:
+        """Covariance of one observation of the quantity, in the space of `gaussian`, if its value is `at`, shape (n,).
+
+        None: at the mean. The error of a pose is that at the mean, and that of a reading depends on what is read.
+        """
         track = self._tracks[anchor]
         if quantity == "pose":
             mean, _ = self._relation(BASE, anchor)
             return expected_look(mean, self._tracks.kind(anchor), self._tracks.prior.noise, self._config)
         if quantity == "colour":
-            return np.diag(track.colour.observation_variance())
+            hsv = _colour_matched(track.colour)[0] if at is None else at.tolist()
+            return np.diag(track.colour.sensor.variance(hsv[1], hsv[2]))
         if quantity == "weight":
-            return np.array([[track.weight.observation_variance()]])
+            log_kg = _weight_matched(track.weight)[0] if at is None else float(at[0])
+            return np.array([[track.weight.observation_variance(log_kg)]])
         raise InternalError(f"'{quantity}' is not a Gaussian quantity; those are: pose, colour, weight")
 
     def prob_detected(self, anchor: str) -> float:

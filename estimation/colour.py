@@ -117,11 +117,6 @@ class ColourBelief:
         """Return mean and variance of hue, saturation and value."""
         return _grid(self).moments() if self.seen else (self.mean, self.variance)
 
-    def observation_variance(self) -> Triple:
-        """Return the variance of one observation at the mean."""
-        (_, saturation, value), _ = self.matched()
-        return self.sensor.variance(saturation, value)
-
     def prob(self, meaning: ColourMeaning) -> float:
         """Return P(the colour lies in one of the boxes of the meaning)."""
         return min(1.0, sum(self._prob(box) for box in meaning.boxes))

@@ -63,9 +63,9 @@ class WeightBelief:
         mean = float(p @ u)
         return mean, float(p @ (u - mean) ** 2)
 
-    def observation_variance(self) -> float:
-        """Return the variance of one reading in ln(kg), at the mean."""
-        return self.sensor.variance(1) / math.exp(2.0 * self.matched()[0])
+    def observation_variance(self, log_kg: float) -> float:
+        """Return the variance of one reading in ln(kg), to first order at a weight."""
+        return self.sensor.variance(1) / math.exp(2.0 * log_kg)
 
     def prob(self, interval: WeightInterval) -> float:
         """Return P(the weight lies in the interval)."""

@@ -103,7 +103,9 @@ class PlainBelief:
         n = DIMENSIONS[quantity]
         return Normal(np.zeros(n), np.zeros((n, n)), self.prob_exists(anchor))
 
-    def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
+    def observation_covariance(
+        self, quantity: Quantity, anchor: str, at: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
         """Zero, shape (n, n) as for `gaussian`: an observation has no error."""
         return np.zeros((DIMENSIONS[quantity], DIMENSIONS[quantity]))
 

@@ -105,8 +105,13 @@ class BeliefQueries(OpenBeliefs, Protocol):
         """The present belief on pose (relative to the base), colour or weight (ln kg)."""
         ...
 
-    def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
-        """Covariance of one observation of the quantity, in the space of `gaussian`."""
+    def observation_covariance(
+        self, quantity: Quantity, anchor: str, at: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """Covariance of one observation of the quantity, in the space of `gaussian`, if its value is `at`.
+
+        None: at the mean of the belief. A pose is always observed at the mean.
+        """
         ...
 
     def prob_detected(self, anchor: str) -> float:

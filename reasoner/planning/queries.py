@@ -6,11 +6,15 @@ passed as -ln p in integer micro-nats; an empty list means that there is no answ
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from skolem.reasoner.planning import gaussians
+from skolem.reasoner.planning.bands import band, expected
 from skolem.reasoner.planning.situation import Situation, hand_named, quantity_named
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Compound, Term, nll, prob
@@ -120,18 +124,29 @@ class Queries:
         meaning = self._now.meanings[word]
         if isinstance(meaning, TypeIs):
             return []
-        found = gaussians.band(
-            meaning,
-            self._now.belief.gaussian(meaning.quantity, anchor),
-            self._now.belief.observation_covariance(meaning.quantity, anchor),
-            prob(p),
-        )
+        belief, quantity = self._now.belief, meaning.quantity
+        sensor = partial(belief.observation_covariance, quantity, anchor)
+        found = band(meaning, belief.gaussian(quantity, anchor), sensor, prob(p))
         return [] if found is None else [Compound("", found)]
 
     def before_look(self, quantity: str, anchor: str, sigma: Term) -> Term:
-        """Sigma needed before one observation of the quantity; `any` if the sensor alone suffices."""
+        """Sigma needed before one observation of the quantity at its mean; `any` if the sensor alone suffices."""
         sensor = self._now.belief.observation_covariance(quantity_named(quantity), anchor)
         return gaussians.before_observation(sigma, sensor)
+
+    def observations(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term) -> Term:
+        """The number of observations of a quantity within mu +- delta that a plan takes as one step to sigma."""
+        belief = self._now.belief.gaussian(quantity_named(quantity), anchor)
+        return gaussians.observations(sigma, self._noise(quantity, anchor, mu, delta), belief.covariance)
+
+    def before_observations(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term, n: int) -> Term:
+        """Sigma needed before n observations of a quantity within mu +- delta; `any` if they alone suffice."""
+        return gaussians.before_observation(sigma, self._noise(quantity, anchor, mu, delta), n)
+
+    def _noise(self, quantity: str, anchor: str, mu: Term, delta: Term) -> NDArray[np.float64]:
+        """Return the covariance of one observation of the value that is expected within mu +- delta."""
+        belief, named = self._now.belief, quantity_named(quantity)
+        return belief.observation_covariance(named, anchor, expected(belief.gaussian(named, anchor), mu, delta))
 
     def before_reading(self, anchor: str, word: str, p: int) -> Term:
         """-ln of the belief in a type needed before one favourable look."""

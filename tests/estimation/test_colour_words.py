@@ -10,10 +10,10 @@ from numpy.random import PCG64, Generator, SeedSequence
 
 from skolem.estimation.belief import Gaussian
 from skolem.estimation.colour import ColourBelief, ColourSensor
-from skolem.reasoner.planning import gaussians
+from skolem.reasoner.planning import bands
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.reasoner.terms import Compound
+from skolem.reasoner.terms import ANY, Compound
 from skolem.traces.messages import ColourMeaning, HsvBelief, HsvVolume
 
 MEANINGS = Rulebook.load(Queries).vocabulary.meanings
@@ -54,7 +54,8 @@ def test_a_belief_inside_the_band_has_the_word(belief: ColourBelief, word: str, 
     found = band(belief, COLOURS[word], p)
     if found is None:
         return
-    mean, sd, reach = (np.array(bound.args, dtype=np.float64) / 1000.0 for bound in found)
+    bounds = [[0 if each == ANY else each for each in bound.args] for bound in found]
+    mean, sd, reach = np.array(bounds, dtype=np.float64) / 1000.0
     for corner in np.ndindex(2, 2, 2):
         at = mean + reach * (2 * np.array(corner) - 1)
         clipped = (float(at[0]), *np.clip(at[1:], 0.0, 1.0).tolist())
@@ -96,7 +97,7 @@ def test_looks_lift_the_belief_as_often_as_said(word: str) -> None:
 
 def band(belief: ColourBelief, meaning: ColourMeaning, p: float) -> tuple[Compound, Compound, Compound] | None:
     believed = Gaussian(np.array(belief.mean), np.diag(belief.variance), 1.0)
-    found = gaussians.band(meaning, believed, np.diag(belief.observation_variance()), p)
+    found = bands.band(meaning, believed, lambda at: np.diag(belief.sensor.variance(*at.tolist()[1:])), p)
     if found is None:
         return None
     mu, sigma, delta = found

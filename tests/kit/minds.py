@@ -138,7 +138,9 @@ class TableBelief(PlainBelief):
         yaw = thing.pose_sd if "table" in thing.types else 2.0
         return Normal(np.zeros(3), np.diag([thing.pose_sd, thing.pose_sd, yaw]) ** 2, thing.exists)
 
-    def observation_covariance(self, quantity: Quantity, anchor: str) -> NDArray[np.float64]:
+    def observation_covariance(
+        self, quantity: Quantity, anchor: str, at: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
         if quantity == "weight":
             return np.array([[0.1**2]])
         if quantity == "colour":

@@ -136,13 +136,26 @@ class Reference:
         step = compound("look", seen)
         needs: list[Need] = [(compound("krd", seen), 0), (compound("loose", seen), 0)]
         needs += [(compound("clear", step), 1), (compound("at", step), 1), *more]
-        costs = {f"missed({about})": int(str(self.q.detected(about)))}
+        missed = int(str(self.q.detected(about)))
+        costs = {f"missed({about})": missed}
+        if (count := self._count(fluent)) > 1:
+            costs[f"missed_again({about})"] = (count - 1) * missed
         return self._made(step, [fluent], needs, costs, operation=compound("look_at", seen), executes=step)
+
+    def _count(self, fluent: Term) -> int:
+        """Return how many looks or weighings are one step; a pose is looked at once."""
+        match fluent:
+            case Compound("bn", (Compound("colour" | "weight" as quantity, (str(o),)), mean, sigma, delta, _)):
+                return int(str(self.q.observations(quantity, o, mean, sigma, delta)))
+        return 1
 
     def _earlier(self, fluent: Term, quantity: str, o: str) -> list[Need]:
         assert isinstance(fluent, Compound)
-        phi, mean, sigma, _, p = fluent.args
-        before = self.q.before_look(quantity, o, sigma)
+        phi, mean, sigma, delta, p = fluent.args
+        if quantity == "pose":
+            before = self.q.before_look(quantity, o, sigma)
+        else:
+            before = self.q.before_observations(quantity, o, mean, sigma, delta, self._count(fluent))
         return [] if before == ANY else [(Compound("bn", (phi, mean, before, ANY, p)), 0)]
 
     def _remove(self, fluent: Term, activity: Term) -> Iterator[Instance]:

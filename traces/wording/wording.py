@@ -142,6 +142,8 @@ class InWords(Wording):
         match term:
             case Recorded("missed", (thing,)):
                 said = f"{self._things.name(thing)} is not detected"
+            case Recorded("missed_again", (thing,)):
+                said = f"{self._things.name(thing)} is not detected in one of the looks that are needed too"
             case _:
                 said = in_words(code, RISKS)
         return f"goes well with p = {p:.3f}; the risk: {said}"

@@ -250,6 +250,8 @@ def test_codes_read_as_words_and_codes_of_own_rules_lose_their_underscores() -> 
     assert WORDS.refusal("not_graspable") == "no hand can grasp it"
     assert WORDS.refusal("too_slippery") == "too slippery"
     assert WORDS.risk("missed(sodaB)", 0.9) == "goes well with p = 0.900; the risk: sodaB is not detected"
+    again = "goes well with p = 0.900; the risk: sodaB is not detected in one of the looks that are needed too"
+    assert WORDS.risk("missed_again(sodaB)", 0.9) == again
     assert WORDS.risk("slippery", 0.8) == "goes well with p = 0.800; the risk: slippery"
     assert AS_RECORDED.risk("slippery", 0.8) == "cost: slippery, p = 0.800"
     end = RunEnd(status="goal_achieved", steps=3, reason="every conjunct is believed", goal_probability=0.9)
