@@ -81,10 +81,10 @@ def observations(sigma: Term, observation: NDArray[np.float64], present: NDArray
 def before_observation(sigma: Term, observation: NDArray[np.float64], count: int = 1) -> Term:
     """Return the Sigma needed before some observations for `sigma` to hold after them; `any` if none is needed.
 
-    The observation's covariance is bounded by a diagonal one (Gershgorin), then each axis is regressed by
-    v_before = v_after v_sensor / (v_sensor - v_after), where v_sensor is that of their mean, rounded down to a thousandth
-    of the unit. If rounding leaves no progress, the bound is raised by a thousandth, provided MOST_OBSERVATIONS reach it: else no
-    number would seem to help.
+    The observation's covariance is bounded by a diagonal one (Gershgorin). Each axis is regressed by
+    v_before = v_after v_sensor / (v_sensor - v_after), where v_sensor is that of the mean of all of them. The bound
+    is rounded down to a thousandth. If that is no progress, it is raised by a thousandth, provided MOST_OBSERVATIONS
+    reach it: else no number would seem to help.
     """
     if not isinstance(sigma, Compound):
         return ANY
