@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from skolem.reasoner import Normal
 from skolem.reasoner.planning import gaussians
-from skolem.reasoner.terms import ANY, Compound, compound, nll, parse_term
+from skolem.reasoner.terms import ANY, Compound, Term, compound, nll, parse_term
 
 SURE = nll(0.5)
 
@@ -95,7 +95,8 @@ def test_several_readings_turn_any_belief_around() -> None:
 @given(st.integers(1, 60), st.floats(0.002, 0.2), st.floats(0.01, 1.0))
 def test_many_observations_are_few_steps(sd: int, sensor: float, prior: float) -> None:
     """Rounding to thousandths makes both larger."""
-    noise, present, bound = np.array([[sensor**2]]), np.array([[prior**2]]), compound("sd", sd)
+    noise, present = np.array([[sensor**2]]), np.array([[prior**2]])
+    bound: Term = compound("sd", sd)
     needed = sensor**2 * ((sd / 1000) ** -2 - prior**-2)
     if needed > gaussians.MOST_OBSERVATIONS:
         return
