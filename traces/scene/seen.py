@@ -16,7 +16,7 @@ from skolem.traces.scene.stage import Limb
 
 UNSURE: Final = 0.5  # anchors less likely to exist are drawn without label
 _EDGE_PX, _LIMB_M = 14.0, 0.40  # assumed thickness of the outline of a region and of a limb of the robot
-_EDGE_WORTH_PX, _TOP_WORTH_PX, _LEG_WORTH_PX, _LIMB_WORTH_PX = 200.0, 45.0, 150.0, 3000.0  # worth of a piece: see Seen
+_EDGE_WORTH_PX, _TOP_WORTH_PX, _LEG_WORTH_PX, _LIMB_WORTH_PX = 200.0, 45.0, 150.0, 6000.0  # worth of a piece: see Seen
 _THING_WORTH_PX, _THING_PX = 500.0, 18.0  # worth of an object, and margin around it: a label there looks like its own
 _SHORT_M: Final = 0.02  # shorter limbs are not visible
 
