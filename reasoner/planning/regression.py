@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from skolem.reasoner.planning.instances import Instance, title
+from skolem.reasoner.planning.outlook import Outlook
 from skolem.reasoner.planning.patterns import Mutexes, entails
 from skolem.reasoner.terms import CAP_MICRONATS, Term, matches
 from skolem.traces.messages import Candidate
@@ -91,7 +92,8 @@ class Found:
         return 1.0 if self.cost == self.bound else self.cost / self.bound
 
 
-_Entry = tuple[int, int, int, int, Subgoal, tuple[Step, ...]]  # cost, risk, length, order; subgoal, steps after it
+# least cost of a plan by way of it, risk, length, order; cost, subgoal, and the steps after it
+_Entry = tuple[int, int, int, int, int, Subgoal, tuple[Step, ...]]
 
 
 def regress(
@@ -120,7 +122,7 @@ def regress(
         final: The operation the plan must end with; None for any.
         optimal: Whether the plan must be the cheapest of all, at the price of more expansions.
     """
-    found = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=optimal)
+    found = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=optimal, priced=not optimal)
     if found.steps is None and found.exhausted and not optimal:
         second = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=True)
         found = replace(second, expansions=found.expansions + second.expansions)
@@ -136,44 +138,54 @@ def search(
     max_cost: int,
     final: Term | None,
     again: bool,
+    priced: bool = True,
 ) -> Found:
     """Return the cheapest plan as `regress` does; with `again`, steps may achieve fluents that hold now.
 
-    Optimality. Nodes leave the queue in the order of their cost plus a heuristic that is 0 everywhere. That is
-    admissible: no cost is negative, so that the remaining cost is never overestimated. (No better bound holds for all
-    rules: a step may also achieve a fluent that it was not offered for, at any cost.) So the first node whose fluents
-    all hold is the cheapest of the plans that were searched.
+    Optimality. Nodes leave the queue in the order of their cost plus a heuristic (`Outlook`), roots before all others,
+    so that their candidates are known. It never overestimates the remaining cost as long as the fluents of roots are
+    achieved by no steps but those that are offered for them; where one is met that does so, nothing is claimed of the
+    bound. Unless `priced`, the heuristic is 0, which holds for all rules. So the first node whose
+    fluents all hold is the cheapest of the plans that were searched.
 
     The bound. A plan that was not searched has, seen from the goal, a first step that achieves only fluents that hold.
     If the node of that step was expanded, the step was skipped there, and the plan costs at least as much as this step
     and all after it. If that node was still in the queue, the steps after it cost at least as much as the plan found.
     """
+
+    def level(instance: Instance) -> int:
+        return min(level_of(instance), instance.concrete)
+
     serial = itertools.count()
-    priced_out = False
+    priced_out = surprised = False
     left_out = max_cost + 1  # the least cost of a skipped step that achieves only fluents that hold
-    queue: list[_Entry] = [(0, 0, 0, next(serial), root, ()) for root in roots]
+    queue: list[_Entry] = [(0, 0, 0, next(serial), 0, root, ()) for root in roots]
     considered: dict[str, Candidate] = {}
-    seen: set[Subgoal] = set()
-    offers.prepare(sorted({f for root in roots for f in root if not offers.holds(f)}, key=str))
+    seen: dict[Subgoal, int] = {}  # expanded subgoals, and at which cost
+    expansions = 0
+    missing = sorted({f for root in roots for f in root if not offers.holds(f)}, key=str)
+    offers.prepare(missing)
+    outlook = Outlook(missing if priced else (), offers.offers, lambda i: not i.rejected and not refused(i, level(i)))
     while queue:
-        cost, risk, length, _, goal, steps = heapq.heappop(queue)
-        if goal in seen:
+        least, risk, length, _, cost, goal, steps = heapq.heappop(queue)
+        if seen.get(goal, cost + 1) <= cost:
             continue
         open_fluents = [f for f in sorted(goal, key=str) if not offers.holds(f)]
         if not open_fluents:
-            return Found(steps, cost, len(seen), _sorted(considered), bound=min(cost, left_out))
-        if len(seen) >= max(max_expansions, _PER_ROOT * len(roots)):
-            return Found(None, 0, len(seen), _sorted(considered), exhausted=False)
-        seen.add(goal)
+            bound = 0 if surprised else min(cost, left_out)
+            return Found(steps, cost, expansions, _sorted(considered), bound=bound)
+        if expansions >= max(max_expansions, _PER_ROOT * len(roots)):
+            return Found(None, 0, expansions, _sorted(considered), exhausted=False)
+        seen[goal] = cost
+        expansions += 1
         for instance, repeats in _achievers(open_fluents, goal, offers):
             if length == 0 and final is not None and instance.operation != final:
                 continue
             total = cost + instance.price
             if repeats and not again and total >= left_out:
                 continue
-            level = min(level_of(instance), instance.concrete)
-            before, reason = _regressed(instance, level, goal, offers.mutexes)
-            if reason is None and refused(instance, level):
+            before, reason = _regressed(instance, level(instance), goal, offers.mutexes)
+            if reason is None and refused(instance, level(instance)):
                 reason = "refused_in_this_belief"
             if repeats and not again:
                 left_out = total if reason is None else left_out
@@ -185,10 +197,15 @@ def search(
                 considered.setdefault(
                     name, Candidate(op=name, cost=min(instance.price, CAP_MICRONATS), rejected=reason)
                 )
-            if reason is None:
-                step = Step(instance, level, goal, before)
-                heapq.heappush(queue, (total, risk + cost, length + 1, next(serial), before, (step, *steps)))
-    return Found(None, 0, len(seen), _sorted(considered), priced_out=priced_out)
+            if reason is None and outlook.hopeless.isdisjoint(before):
+                surprised = surprised or not outlook.foresaw(instance.step, goal.difference(before))
+                ahead = max(least, total + outlook.least(before))
+                if ahead > max_cost:
+                    priced_out = True
+                    continue
+                step = Step(instance, level(instance), goal, before)
+                heapq.heappush(queue, (ahead, risk + cost, length + 1, next(serial), total, before, (step, *steps)))
+    return Found(None, 0, expansions, _sorted(considered), priced_out=priced_out)
 
 
 def _sorted(considered: dict[str, Candidate]) -> tuple[Candidate, ...]:
