@@ -18,6 +18,7 @@ from skolem.estimation.events import (
     Began,
     Consolidated,
     Event,
+    Gone,
     Looked,
     Lost,
     Merged,
@@ -141,6 +142,8 @@ class Belief:
             self.apply(split)
         picture = Look(observation, self._graph, self._tracks, self._regions, self._config)
         look = picture.event()
+        for gone in [miss.anchor for miss in look.missed if self._tracks.is_gone(miss)]:
+            self.apply(Gone(anchor=gone))
         self.apply(look)
         for anchor, places in picture.sought().items():
             self._seek(anchor, places)

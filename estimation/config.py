@@ -10,6 +10,7 @@ class EstimatorConfig:
     Attributes:
         listed: Existence from which an anchor is listed: what is less likely is not worth a look.
         likely: Existence from which an anchor takes room, carries things and explains what a picture shows.
+        met: How often an object was seen or picked, so that it must be elsewhere if it is gone: once may be an error.
         most_sure: Existence of an object the robot is told of, and the most it believes of any: someone may have taken
             it. From here two to three misses in plain view unlist it, where the picture shows nothing in its place.
         retired: Existence below which an anchor is no longer matched with detections.
@@ -79,6 +80,7 @@ class EstimatorConfig:
 
     listed: float = 0.05
     likely: float = 0.5
+    met: int = 2
     most_sure: float = 0.99
     retired: float = 1e-3
     gate: float = 16.266

@@ -130,6 +130,13 @@ class Lost(Message):
     sd_z_m: float
 
 
+class Gone(Message):
+    """An object that was met before is not where it was: somebody put it elsewhere, or the robot pushed it off."""
+
+    kind: Literal["gone"] = "gone"
+    anchor: Anchor
+
+
 class Placed(Message):
     """Fingers opened and left an object; sds are of its motion at release."""
 
@@ -186,6 +193,7 @@ Event = Annotated[
     | Picked
     | PickFailed
     | Lost
+    | Gone
     | Placed
     | Weighed
     | Merged

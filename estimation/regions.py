@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.coverage import Array, Coverage, Grid, Mask
-from skolem.estimation.events import Began, Event, Looked, Lost
+from skolem.estimation.events import Began, Event, Gone, Looked, Lost
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import Unexplained, near_arms
@@ -63,7 +63,7 @@ class Regions:
             off_sd = math.hypot(noise.extrinsics_sd_m, noise.extrinsics_sd_rad * lever)
             self._hit_margin_m = config.hit_margin_m + config.hit_sds * off_sd
             self._regions = {told.anchor: self._unseen(told, tracks) for told in event.prior.regions}
-        elif isinstance(event, Lost):  # it may have been put where nothing was when one looked
+        elif isinstance(event, Lost | Gone):  # it may have been put where nothing was when one looked
             self._regions = {name: self._unseen(region.told, tracks) for name, region in self._regions.items()}
         elif isinstance(event, Looked) and event.view is not None:
             image = DepthImage.of(event.view)

@@ -49,6 +49,7 @@ class Track:
         places: Where it may stand while little is known of that, each with its weight; nothing: as the Gaussian says.
         rests: P(it stands on a support that is known, and not on the floor or elsewhere | it exists).
         otherwise: P(something else stands where it should | it does not exist).
+        met: How often it was seen or picked.
     """
 
     exists: float
@@ -62,6 +63,7 @@ class Track:
     hand: Hand | None = None
     places: tuple[Place, ...] = ()
     rests: float = 1.0
+    met: int = 0
 
 
 class Tracks:
@@ -151,7 +153,7 @@ class Tracks:
                 self._look(event)
             case Picked():
                 track = self._evidence(event.anchor, (1.0 - self._config.pick_fails) / self._config.pick_deceives)
-                self._tracks[event.anchor] = replace(track, hand=event.hand, support=None)
+                self._tracks[event.anchor] = replace(track, hand=event.hand, support=None, met=track.met + 1)
             case PickFailed():
                 odds = self._config.pick_fails / (1.0 - self._config.pick_deceives)
                 self._tracks[event.anchor] = self._evidence(event.anchor, odds)
@@ -209,6 +211,11 @@ class Tracks:
             self._tracks[sighting.anchor] = track
         for miss in event.missed:
             self._tracks[miss.anchor] = self._missed(miss)
+
+    def is_gone(self, miss: Missed) -> bool:
+        """Return whether an object that was certainly met before is no longer believed to exist after silence."""
+        track, least = self[miss.anchor], self._config.listed
+        return track.met >= self._config.met and track.exists >= least > self._missed(miss).exists
 
     def _missed(self, miss: Missed) -> Track:
         """Return the track of an anchor after silence, and after what the picture shows in its place.
@@ -273,6 +280,7 @@ class Tracks:
             z=sighting.z if support is None else self.top(support),
             z_variance=sighting.z_sd_m**2 if support is None else stranger.z_variance,
             support=support,
+            met=1,
         )
 
     def _track(
@@ -307,6 +315,7 @@ class Tracks:
             support=sighting.support or track.support,
             places=(),
             rests=1.0,
+            met=track.met + 1,
             types=track.types.updated(sighting.detection.type_log_likelihood),
             colour=track.colour.updated(sighting.detection.rgb),
             z=track.z + gain * (sighting.z - track.z),

@@ -25,7 +25,7 @@ from kit.tabletop import looking
 from skolem.estimation.arm import base_T_tool
 from skolem.estimation.belief import Belief
 from skolem.estimation.config import EstimatorConfig
-from skolem.estimation.events import EVENT
+from skolem.estimation.events import EVENT, Gone
 from skolem.sim.symbolic.view import Solid, depth_view
 from skolem.traces.errors import InputError, InternalError
 from skolem.traces.messages import HsvVolume, Pose4, PriorRegion, RobotState, TypeIs, WeightInterval
@@ -228,6 +228,30 @@ def test_thing_that_was_taken_away_puzzles_no_more() -> None:
     robot.solids.pop()
     robot.look(FRONT)
     assert robot.belief.prob_contents(REGION) > 0.9
+
+
+@pytest.mark.parametrize("looks", [0, 1, 2])
+def test_thing_that_was_met_for_sure_and_is_gone_may_be_wherever_nothing_was_before(looks: int) -> None:
+    other: Pose4 = (1.1, 3.0, 0.0, 0.0)
+    regions = [
+        PriorRegion(anchor=name, support=support, height_m=0.3, expected_objects=0.5)
+        for name, support in (("_reg1_", "table1"), ("_reg2_", "table2"))
+    ]
+    known = [thing("table2", "table", other, support=None), thing("can1", "soda", CANS[0][1], sd_m=0.02)]
+    robot = Searcher(told(objects=known, regions=regions), CANS[:1])
+    robot.solids.append(Solid("table2", TYPES["table"], other))
+    robot.look((0.1, 3.0, 1.5), (1.1, 3.0, TOP))
+    empty = robot.belief.prob_contents("_reg2_")
+    for _ in range(looks):
+        robot.look(FRONT)
+    del robot.solids[1]
+    while "can1" in robot.belief.anchors():
+        assert robot.belief.prob_contents("_reg2_") == empty > 0.5
+        robot.look(FRONT)
+    certain = looks >= EstimatorConfig().met
+    assert robot.belief.prob_contents("_reg2_") == (0.0 if certain else empty)
+    assert robot.belief.prob_contents("_reg1_") > 0.5  # as the look shows that found it gone
+    assert [event.anchor for event in robot.belief.events if isinstance(event, Gone)] == ["can1"] * certain
 
 
 @pytest.mark.parametrize("listed", [True, False])
