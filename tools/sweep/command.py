@@ -45,7 +45,8 @@ def sweep(
     write: Annotated[
         Path | None,
         typer.Option(
-            help="Markdown file for the section of each scenario, written when all runs are done; other sections stay."
+            help="Markdown file for the section of each scenario, with its calibration, once all runs are done; "
+            "other sections stay."
         ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object per run, and only that.")] = False,

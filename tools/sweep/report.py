@@ -1,6 +1,5 @@
 """The report of a sweep as Markdown: success with its interval, calibration, effort, and every failure."""
 
-import math
 import os
 import platform
 import re
@@ -13,11 +12,13 @@ from skolem.reasoner import Goal
 from skolem.reasoner.language.expressions import Believed, Estimated
 from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import PARTS, RECORDING
+from skolem.tools.sweep.calibration import Calibration
+from skolem.tools.sweep.calibration_tables import calibration_tables
 from skolem.tools.sweep.rows import Row
+from skolem.tools.sweep.shares import CONFIDENCE, wilson
 from skolem.tools.words.printable import markdown, printable
 from skolem.traces.messages import RunStatus
 
-CONFIDENCE = 0.95  # level of the confidence intervals
 ENDS: Mapping[RunStatus, str] = {
     "goal_unachievable": "given up as impossible",
     "limit_reached": "ended at a limit",
@@ -52,6 +53,7 @@ class Part:
         overrides: Changed values of the scenario.
         goals: The goals of the runs, by seed.
         rows: The runs, by seed.
+        calibration: The calibration over the runs; None if it was not asked for.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Part:
     overrides: Sequence[str]
     goals: Mapping[int, Goal]
     rows: Sequence[Row]
+    calibration: Calibration | None = None
 
     @property
     def goal(self) -> Goal | None:
@@ -93,17 +96,6 @@ class Part:
     def title(self) -> str:
         """Name, world and overrides in one line."""
         return ", ".join([self.name, f"{self.world} world", *self.overrides])
-
-
-def wilson(hits: int, of: int) -> tuple[float, float]:
-    """Return Wilson's score interval of a share, at `CONFIDENCE` (J. Am. Stat. Assoc. 22, 1927)."""
-    if of == 0:
-        return (0.0, 1.0)
-    z = statistics.NormalDist().inv_cdf((1.0 + CONFIDENCE) / 2.0)
-    share, scale = hits / of, 1.0 + z * z / of
-    middle = (share + z * z / (2 * of)) / scale
-    reach = z / scale * math.sqrt(share * (1.0 - share) / of + z * z / (4 * of * of))
-    return (max(0.0, middle - reach), min(1.0, middle + reach))
 
 
 def promised(goal: Goal) -> float | None:
@@ -170,6 +162,8 @@ def section(part: Part) -> str:
     lines = [f"## {markdown(part.title)}", "", asked, "", *_shares(part), ""]
     if ended:
         lines += [*_efforts(ended), "", _variety(rows), ""]
+    if part.calibration is not None:
+        lines += [*calibration_tables(part.calibration), ""]
     failed = [row for row in rows if not row.well_ended]
     lines += [*_failures(failed), *([""] if failed else [])]
     if rows:
@@ -201,7 +195,7 @@ def with_section(text: str, key: str, section: str) -> str:
 
 
 def _shares(part: Part) -> list[str]:
-    """Return success and calibration as a table."""
+    """Return success as a table."""
     rows, could = part.rows, part.achievable
     believed, succeeded = sum(row.believed for row in rows), sum(row.succeeded for row in rows)
     unaware = sum(row.true is True and not row.believed for row in rows)

@@ -4,11 +4,12 @@ import json as json_format
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from skolem.tools.loop.families import drawn_setup, refuse_unknown
 from skolem.tools.loop.setup import Setup, prepare
+from skolem.tools.sweep.calibration import calibration_of
 from skolem.tools.sweep.progress import progress_for
 from skolem.tools.sweep.report import Part, line, sections, summary, with_section
 from skolem.tools.sweep.rows import Row, put, results_csv, times_csv
@@ -146,9 +147,11 @@ def execute(
     except KeyboardInterrupt:
         interrupted = True
     finally:
+        parts, whole = _parts(plan, rows), len(rows) == len(plan.tasks)
+        if write is not None and whole:
+            parts = [_calibrated(part, out) for part in parts]
         with interrupts_held():
-            parts = _parts(plan, rows)
-            _write_tables(parts, out, write if len(rows) == len(plan.tasks) else None)
+            _write_tables(parts, out, write if whole else None)
     found = [row for part in parts for row in part.rows]
     if json:
         for row in found:
@@ -213,6 +216,11 @@ def _parts(plan: Plan, rows: Mapping[str, Row]) -> list[Part]:
         )
         for group in plan.groups
     ]
+
+
+def _calibrated(part: Part, out: Path) -> Part:
+    """Return a part with the calibration over its traces."""
+    return replace(part, calibration=calibration_of(out / row.trace for row in part.rows if row.trace))
 
 
 def _write_tables(parts: Sequence[Part], out: Path, write: Path | None) -> None:

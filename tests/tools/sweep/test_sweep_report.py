@@ -8,8 +8,9 @@ from rich.console import Console
 
 from skolem.reasoner.language.parser import parse_goal
 from skolem.tools.sweep.progress import Bar, Lines, said_of
-from skolem.tools.sweep.report import Part, line, promised, section, sections, wilson, with_section
+from skolem.tools.sweep.report import Part, line, promised, section, sections, with_section
 from skolem.tools.sweep.rows import TIMES, Row
+from skolem.tools.sweep.shares import wilson
 
 GOAL = parse_goal("exists o. B(Den(lambda x. Green(x), o), 0.95) & B(In(o, table1), 0.9)", {"Green": 1, "In": 2})
 
