@@ -1,3 +1,6 @@
-"""The verb `sweep`: many runs, and their tables. May import: loop, words."""
+"""The verb `sweep`: many runs, their tables, and calibration.
+
+May import: loop, recorded, words, reasoner.planning.
+"""
 
 __all__ = ()
