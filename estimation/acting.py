@@ -1,4 +1,4 @@
-"""From an action and what the robot's own joints said about it to events."""
+"""Events of an executed action: what the robot's joints tell of its base, its hands and the held objects."""
 
 from skolem.estimation import arm
 from skolem.estimation.config import EstimatorConfig
@@ -15,23 +15,23 @@ def events_of(
     config: EstimatorConfig,
     top_m: float | None = None,
 ) -> tuple[Event, ...]:
-    """Return what an action did to the robot and its objects, in order.
+    """Return the effects of an action on the robot and its objects, in order.
 
     Args:
-        action: What was commanded.
-        result: What the joints said.
-        grasps: Anchor and tool_T_object by the hand that held them before the action.
-        noise: Of wheels, and of objects at release.
-        config: Reads `closed_gap_m`, `height_tolerance_m`, and the sds of what was lost, was dropped, or was touched.
-        top_m: Believed height of the top on which the object was to be placed; None if there is none.
+        action: The executed action.
+        result: What the joints reported.
+        grasps: Anchor and tool_T_object of each hand that held an object before the action.
+        noise: Noise of the wheels, and of objects at release.
+        config: Reads `closed_gap_m`, `height_tolerance_m`, and the sds of lost, dropped and touched objects.
+        top_m: Believed height of the support's top for a place, metres; None if there is no support.
 
-    A hand that is believed to hold something and whose fingers have met holds it no longer, whatever was done. An
-    object that left the hand above or below the top, by what the joints say, does not stand on it: it met something on
-    the way, or there was nothing to meet.
+    A hand no longer holds its object once the fingers have met, whatever the action was. If the joints say that an
+    object left the hand above or below the top, it does not stand on the top: it met something on the way, or met no
+    top.
 
-    An arm that touched something where its way was thought free never closed or opened its fingers. The base then does
-    not stand where it was believed to: it is taken to be as uncertain as after a short drive, so that looking is in
-    order again.
+    An arm that touched something on a way that was believed free has neither closed nor opened its fingers. The base
+    then stands elsewhere than believed. It is taken to be as uncertain as after a short drive, so that the robot looks
+    again.
     """
     events: list[Event] = [Posed(robot=result.robot)]
     if result.odometry is not None:
@@ -58,10 +58,10 @@ def _lost(
     config: EstimatorConfig,
     top_m: float | None,
 ) -> list[Lost]:
-    """Return that a hand no longer holds an object, if so: its fingers have met, or a place did not put it on the top.
+    """Return the loss of a hand's object, if its fingers have met or a place did not put it on the top.
 
-    A place that failed has found the hand empty, or has let the object drop. Fingers that were opened hold nothing and
-    are not believed to; so fingers that are apart hold what they are believed to hold.
+    A place fails if the hand is empty or drops the object. Otherwise, fingers that are apart still hold the object,
+    because a hand with opened fingers is believed to be empty.
     """
     anchor, tool_T_object = grasp
     gap = result.gaps_m.get(hand)
@@ -88,12 +88,12 @@ def _lost(
 
 
 def _misses(felt_m: float, top_m: float, config: EstimatorConfig) -> bool:
-    """Return whether an object that left the hand with its base at `felt_m` does not rest on a top at `top_m`."""
+    """Return whether an object does not rest on a top at `top_m` if its base was at `felt_m` (metres) at release."""
     return abs(felt_m - top_m) > config.height_tolerance_m
 
 
 def _drive(start_T_end: tuple[float, float, float], noise: NoiseModel) -> list[Event]:
-    """Return the drive; wheels that did not turn moved nothing."""
+    """Return the motion of the base; nothing if the wheels did not turn."""
     x, y, turn = start_T_end
     distance = (x * x + y * y) ** 0.5
     if distance == 0.0 and turn == 0.0:
@@ -104,7 +104,7 @@ def _drive(start_T_end: tuple[float, float, float], noise: NoiseModel) -> list[E
 
 
 def _pick(action: Action, command: Pick, result: ActionResult, config: EstimatorConfig) -> list[Event]:
-    """Return whether fingers closed on the object; nothing if they did not close at all."""
+    """Return the success or failure of a grasp; nothing if the fingers did not close at all."""
     if result.base_T_tool is None or result.gripper_gap_m is None:
         return []
     anchor = action.args[0]
@@ -121,7 +121,7 @@ def _place(
     grasp: tuple[str, Pose4],
     noise: NoiseModel,
 ) -> list[Event]:
-    """Return where the object was released; nothing if the fingers did not open."""
+    """Return the release of an object; nothing if the fingers did not open."""
     if result.base_T_tool is None:
         return []
     anchor, tool_T_object = grasp

@@ -1,4 +1,4 @@
-"""Where the PR2's hands are, by its exact encoders: forward kinematics of both arms."""
+"""Forward kinematics of the PR2's arms. The encoders are exact, and so are the poses of the hands in the base frame."""
 
 import math
 
@@ -15,12 +15,12 @@ def base_T_tool(robot: RobotState, hand: Hand) -> NDArray[np.float64]:
 
 
 def joints_base(robot: RobotState, hand: Hand) -> NDArray[np.float64]:
-    """Return where shoulder, joints and tool frame of an arm are, from the shoulder on, shape (8, 3), base frame."""
+    """Return the positions of an arm's shoulder, joints and tool frame, in this order, shape (8, 3), base frame."""
     return np.array([frame[:3, 3] for frame in _frames(robot, hand)])
 
 
 def _frames(robot: RobotState, hand: Hand) -> list[NDArray[np.float64]]:
-    """Return the frames of the shoulder and of the ends of all links, each of shape (4, 4), base frame."""
+    """Return the poses of the shoulder and of the ends of all links, each of shape (4, 4), base frame."""
     pose = np.eye(4)
     pose[:3, 3] = shoulder(hand, robot.torso)
     angles = robot.right_arm if hand == "right" else robot.left_arm
@@ -33,7 +33,7 @@ def _frames(robot: RobotState, hand: Hand) -> list[NDArray[np.float64]]:
 
 
 def upright(x: float, y: float, z: float, theta: float) -> NDArray[np.float64]:
-    """Return the pose of an upright frame, shape (4, 4)."""
+    """Return the pose of an upright frame at a point (metres) and heading (radians), shape (4, 4)."""
     pose = _turn("z", theta)
     pose[:3, 3] = (x, y, z)
     return pose

@@ -1,8 +1,9 @@
-"""Which detection is of which anchor: squared Mahalanobis distance, a gate, and the best assignment of a whole look.
+"""Assignment of the detections of a look to anchors, by squared Mahalanobis distances within a gate.
 
-Pairs scored one by one take errors for independent that are common to a look: of the base, and of the camera. Where a
-detection could be of several anchors, hypotheses are compared that each carry the error they imply: a first pair says
-how far off the base is, and with that the next pair is judged.
+All detections of a look share the errors of the base and of the camera. A score of each pair alone would take these
+errors for independent. So where a detection could be of several anchors, whole hypotheses are compared. Each hypothesis
+carries the error that it implies: its first pair corrects the pose of the base, and the next pair is scored with the
+corrected pose.
 """
 
 import math
@@ -16,8 +17,8 @@ from skolem.estimation.se2 import Matrix, Vector, adjoint, between, compose, exp
 from skolem.traces.messages import ObjectType, Pose2
 
 Array = NDArray[np.float64]
-FORBIDDEN = 1e6  # cost of a pair outside the gate; beyond any finite score
-MAX_LOG_ODDS = 50.0  # a detection is never surer than this
+FORBIDDEN = 1e6  # cost of a pair outside the gate; greater than any finite score
+MAX_LOG_ODDS = 50.0  # greatest log odds of one detection
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +26,7 @@ class Measured:
     """A detected pose.
 
     Attributes:
-        base_T_object: Mean.
+        base_T_object: Mean pose.
         covariance: Over (x, y, theta), object frame, shape (3, 3).
     """
 
@@ -35,11 +36,11 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """How a detection agrees with where an anchor is believed to be.
+    """The agreement of a detection with the believed pose of an anchor.
 
     Attributes:
         distance2: Squared Mahalanobis distance of the innovation.
-        log_density: Of the detection's pose, per square metre and radian.
+        log_density: Logarithm of the density of the detected pose, per square metre and radian.
     """
 
     distance2: float
@@ -49,10 +50,11 @@ class Match:
 def with_heading_near(
     measured: Measured, predicted: float, kind: ObjectType, seen_as: ObjectType, unknown_sd_rad: float
 ) -> Measured:
-    """Return the same detection with, of all headings at which `kind` looks alike, the one nearest to `predicted`.
+    """Return a detection with the equivalent heading nearest to `predicted` (radians).
 
-    A cylinder looks alike at all headings, a box after half a turn, a square one after a quarter. The heading of a box
-    that is believed to be of another type is not measured: its sd is that of a heading of which nothing is known.
+    Headings are equivalent if an object of type `kind` looks the same at them: all headings of a cylinder, a box after
+    half a turn, a square box after a quarter. If a box is detected as another type than the believed one, its heading
+    is not measured, and its sd becomes that of an unknown heading.
     """
     x, y, theta = measured.base_T_object
     turn = predicted - theta
@@ -67,7 +69,7 @@ def with_heading_near(
 
 
 def match(believed: Pose2, covariance: Matrix, measured: Measured) -> Match:
-    """Return how well a detection agrees with a believed base_T_object and its covariance (object frame)."""
+    """Return the agreement of a detection with a believed base_T_object and its covariance (3, 3), object frame."""
     innovation = log(between(believed, measured.base_T_object))
     spread = covariance + turned(measured.covariance, innovation[2])
     distance2 = float(innovation @ np.linalg.solve(spread, innovation))
@@ -75,10 +77,10 @@ def match(believed: Pose2, covariance: Matrix, measured: Measured) -> Match:
 
 
 def assign(scores: Array, unmatched: Array) -> tuple[int | None, ...]:
-    """Return for each detection its anchor's column, or None for a new one, maximising the sum of scores.
+    """Return each detection's column of `scores`, or None for a new object, in the assignment of greatest score.
 
     Args:
-        scores: Log-likelihood ratio of each (detection, anchor) pair, shape (n, m); -inf where they cannot be one.
+        scores: Log-likelihood ratio of each (detection, anchor) pair, shape (n, m); -inf for an impossible pair.
         unmatched: Score of each detection if it is of no anchor, shape (n,).
     """
     n, m = scores.shape
@@ -86,7 +88,7 @@ def assign(scores: Array, unmatched: Array) -> tuple[int | None, ...]:
     if (possible.sum(axis=0) <= 1).all() and (possible.sum(axis=1) <= 1).all():  # no two compete
         wins = np.where(possible, scores - unmatched[:, None], -np.inf) > 0.0
         return tuple(int(np.argmax(row)) if row.any() else None for row in wins)
-    from scipy.optimize import linear_sum_assignment  # a third of the time that a replay takes to start
+    from scipy.optimize import linear_sum_assignment  # its import takes a third of the time to start a replay
 
     cost = np.full((n, m + n), FORBIDDEN)
     cost[:, :m] = np.where(np.isfinite(scores), -scores, FORBIDDEN)
@@ -98,11 +100,12 @@ def assign(scores: Array, unmatched: Array) -> tuple[int | None, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What is believed before the look.
+    """The belief before the look.
 
     Attributes:
-        poses: world_T_camera_base, the base frame as the camera has it, then world_T_object of each anchor.
-        covariance: Joint, shape (3n, 3n), tangent space of each pose.
+        poses: First world_T_camera_base, the pose of the base that includes the camera's error; then world_T_object of
+            each anchor.
+        covariance: Joint covariance, shape (3n, 3n), tangent space of each pose.
     """
 
     poses: tuple[Pose2, ...]
@@ -111,12 +114,12 @@ class Scene:
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """An anchor that a detection may be of.
+    """A possible pair of a detection and an anchor.
 
     Attributes:
-        column: Of the anchor.
-        measured: What was measured; covariance without the error that is common to the look.
-        bonus: The score beside that of the pose: type, existence, and what speaks for a report.
+        column: Column of the anchor.
+        measured: The detected pose; its covariance leaves out the error that is common to the look.
+        bonus: The part of the score that does not depend on the pose: from type, existence and P(detected).
     """
 
     column: int
@@ -132,10 +135,10 @@ class _Hypothesis:
 
 
 def is_ambiguous(scores: Array) -> bool:
-    """Return whether some detection could be of several anchors, or some anchor several detections' own.
+    """Return whether some detection could be of several anchors, or several detections of one anchor.
 
     Args:
-        scores: Of each (detection, anchor) pair, shape (n, m); -inf where they cannot be one.
+        scores: Score of each (detection, anchor) pair, shape (n, m); -inf for an impossible pair.
     """
     can = np.isfinite(scores)
     return bool((can.sum(axis=1) > 1).any() or (can.sum(axis=0) > 1).any())
@@ -144,14 +147,14 @@ def is_ambiguous(scores: Array) -> bool:
 def assign_jointly(
     scene: Scene, pairs: Sequence[Sequence[Pair]], unmatched: Array, gates: Sequence[float], width: int
 ) -> tuple[int | None, ...]:
-    """Return for each detection its anchor's column, or None for a new one, of the likeliest hypothesis.
+    """Return each detection's column, or None for a new object, in the likeliest hypothesis that a beam search finds.
 
     Args:
-        scene: Belief before the look; anchor `column` is pose `column + 1`.
-        pairs: Of each detection, the anchors it may be of.
+        scene: Belief before the look; the anchor of column i has pose i + 1.
+        pairs: The possible pairs of each detection.
         unmatched: Score of each detection if it is of no anchor, shape (n,).
-        gates: Of each detection, the squared Mahalanobis distance beyond which a pair is none, given the pairs before.
-        width: Hypotheses kept after each detection.
+        gates: Greatest squared Mahalanobis distance of each detection in a pair, given the pairs before it.
+        width: Number of hypotheses kept after each detection.
     """
     order = sorted(range(len(pairs)), key=lambda i: (len(pairs[i]), i))  # the clearest first
     beam = [_Hypothesis(0.0, scene, ())]
@@ -165,7 +168,7 @@ def assign_jointly(
 
 
 def _with(hypothesis: _Hypothesis, pair: Pair, gate: float) -> _Hypothesis | None:
-    """Return a hypothesis with one more pair, or None if that cannot be one."""
+    """Return a hypothesis with one more pair, or None if the pair is impossible in it."""
     if pair.column in hypothesis.columns:
         return None
     scene, at = hypothesis.scene, pair.column + 1

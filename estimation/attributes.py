@@ -1,7 +1,8 @@
-"""Whether an object exists and of which type it is: Bayes' rule on probabilities.
+"""Beliefs on an object's existence and type, by Bayes' rule.
 
-Like colour and weight, a type belief is a frozen value: `updated` takes one observation, `prob` answers a property, and
-`prob_favourable` says how likely one more observation makes the property believed to at least p, given that it holds.
+A type belief is a frozen value, like the beliefs on colour and weight. `updated` takes in one observation. `prob` gives
+the probability of a property. `prob_favourable` gives the probability that one more observation raises the belief in
+a property to at least p, given that the object has the property.
 """
 
 import math
@@ -9,29 +10,29 @@ from dataclasses import dataclass, replace
 
 from skolem.traces.messages.likeliest import likeliest
 
-ROUNDING = 1e-9  # a belief this far below a threshold counts as reaching it
+ROUNDING = 1e-9  # a belief at most this far below a threshold counts as reaching it
 
 
 def after_miss(existence: float, p_reported: float) -> float:
-    """Return P(exists) after a look that would have reported the object with `p_reported` did not."""
+    """Return P(exists) after a look without a detection of the object; `p_reported` is P(detected | it exists)."""
     absent = 1.0 - existence
     seen_over = existence * (1.0 - p_reported)
     return seen_over / (seen_over + absent) if absent > 0.0 else 1.0
 
 
 def after_evidence(existence: float, odds: float) -> float:
-    """Return P(exists) after something `odds` times likelier with the object than without it."""
+    """Return P(exists) after an observation that is `odds` times likelier with the object than without it."""
     return existence * odds / (existence * odds + 1.0 - existence)
 
 
 @dataclass(frozen=True, slots=True)
 class TypeBelief:
-    """A multinoulli over types.
+    """A categorical distribution over types.
 
     Attributes:
-        probabilities: Of each type; they sum to 1.
-        readings: Types that the detector takes for one another, sorted.
-        right: P(the type reported is the true one).
+        probabilities: Probability of each type; they sum to 1.
+        readings: Types that the detector may confuse, sorted.
+        right: P(the detected type is the true one).
     """
 
     probabilities: dict[str, float]
@@ -39,9 +40,9 @@ class TypeBelief:
     right: float
 
     def likelihood(self, true: str, reported: str) -> float:
-        """Return P(reported | true): `right`, and errors spread evenly over the other types that things are taken for.
+        """Return P(reported | true): `right` for the true type, and equal shares of the rest for the other readings.
 
-        What is none of these types is never taken for one, nor they for it.
+        A type outside `readings` is never confused with another.
         """
         if true not in self.readings or reported not in self.readings:
             return float(true == reported)
@@ -50,16 +51,16 @@ class TypeBelief:
         return (1.0 - self.right) / max(1, len(self.readings) - 1)
 
     def updated(self, log_likelihood: dict[str, float]) -> "TypeBelief":
-        """Return the belief after a detection whose cluster has that log-likelihood under each type it could be."""
+        """Return the belief after a detection, given the log-likelihood of its cluster under each possible type."""
         reported = _softmax(log_likelihood)
         return self._times({t: sum(w * self.likelihood(t, r) for r, w in reported.items()) for t in self.probabilities})
 
     def fused(self, other: "TypeBelief", prior: "TypeBelief") -> "TypeBelief":
-        """Return the belief of one who knows what both do; `prior` is what is known of any object, and so of both."""
+        """Return the belief that joins the observations of both; `prior` is the belief that both began with."""
         return self._times({t: other.prob(t) / p if (p := prior.prob(t)) > 0.0 else 0.0 for t in self.probabilities})
 
     def evidence(self, log_likelihood: dict[str, float]) -> float:
-        """Return P(the reading), which is the normaliser of `updated`."""
+        """Return P(a detection), the normaliser of `updated`."""
         reported = _softmax(log_likelihood)
         return sum(p * w * self.likelihood(t, r) for t, p in self.probabilities.items() for r, w in reported.items())
 
@@ -72,7 +73,7 @@ class TypeBelief:
         return likeliest(self.probabilities)
 
     def prob_favourable(self, kind: str, p: float) -> float:
-        """Return P(one look lifts the belief in `kind` to at least `p` | it is of that type)."""
+        """Return P(one look raises the belief in `kind` to at least `p` | the object is of that type)."""
         return sum(
             self.likelihood(kind, reported)
             for reported in self.readings

@@ -240,7 +240,7 @@ class Belief:
 
     def region_support(self, region: str) -> str:
         """The anchor on whose top the region lies."""
-        return self._regions[region].told.support
+        return self._regions[region].prior.support
 
     def support(self, anchor: str) -> str | None:
         """What the object most likely rests on; None: the floor, nothing known, or a hand."""

@@ -1,4 +1,4 @@
-"""Whether a prior makes sense, beyond the types of its fields."""
+"""Checks that a prior does not contradict itself. Pydantic has checked the types of its fields before."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ def check_prior(prior: Prior) -> None:
     """Check a prior.
 
     Raises:
-        InputError: With every fault.
+        InputError: If there are faults; it lists all of them.
     """
     faults = list(_faults(prior))
     if faults:

@@ -1,4 +1,4 @@
-"""What the estimator assumes beyond the noise model it is given, each number with its unit and reason."""
+"""Assumptions of the estimator beyond the noise model of the prior, each with its unit and reason."""
 
 from dataclasses import dataclass
 
@@ -8,74 +8,75 @@ class EstimatorConfig:
     """Assumptions of the estimator.
 
     Attributes:
-        listed: Existence from which an anchor is listed: what is less likely is not worth a look.
-        likely: Existence from which an anchor takes room, carries things and explains what a picture shows.
-        met: How often an object was seen or picked, so that it must be elsewhere if it is gone: once may be an error.
-        most_sure: Existence of an object the robot is told of, and the most it believes of any: someone may have taken
-            it. From here two to three misses in plain view unlist it, where the picture shows nothing in its place.
-        retired: Existence below which an anchor is no longer matched with detections.
-        gate: Squared Mahalanobis distance beyond which a detection is of something else: chi-square, 3 degrees, .999.
-        sure_gate: The same for a table that would stand in a known one and so must be known: 3 degrees, 1 - 1e-9.
-            Beyond the other gate, the base most likely stands elsewhere than believed, and this look is what tells.
-        new_per_look: Expected number of real objects per look of which the robot had no anchor.
-        new_tables_per_look: The same for tables: rooms have few.
+        listed: Least P(exists) of a listed anchor. A less likely object is not worth a look.
+        likely: Least P(exists) of an anchor that takes room, supports objects and explains depth readings.
+        met: Least number of sightings and picks after which a gone object must be elsewhere; one may be an error.
+        most_sure: P(exists) of an object of the prior, and the greatest P(exists) of any object, as someone may have
+            taken it. From here, two to three missed detections in plain view unlist an anchor if the picture shows
+            nothing in its place.
+        retired: Least P(exists) of an anchor that is matched with detections.
+        gate: Greatest squared Mahalanobis distance of a detection from its anchor: chi-square, 3 degrees, .999.
+        sure_gate: The same for a detected table that overlaps a known one and so must be it: 3 degrees, 1 - 1e-9. At a
+            distance between the two gates, the base most likely stands elsewhere than believed, and the look tells so.
+        new_per_look: Expected number per look of real objects without an anchor.
+        new_tables_per_look: The same for tables; a room has few.
         view_area_m2: Floor area over which false detections and unknown objects are spread.
-        seen_share: Share of an object's outline that must be in sight for the detector to report it.
-        depth_margin_m: Something nearer than an object's front by more than this hides it; camera and fit errors.
-        sight_m: Distance from the camera beyond which objects are not detected.
-        sought_sd_m: Sd of a place, largest axis, from which silence moves it to where the look did not reach.
-        place_step_m: Distance between the places that are then weighed against one another: about a thing's width.
-        look_width_m: A look at a place shows what is so far beside it: a third of the picture at a metre's distance.
-        unshown: P(silence | an object is in sight and the picture shows nothing solid in its place), next to that of
-            silence about one that it shows: edges of depth images, errors of the camera's calibration.
-        voxel_m: Edge of the voxels in which regions are searched: about half of the thinnest thing that is looked for.
-        voxel_margin_m: A reading this much before the centre of a voxel still shows it empty; the depth's error.
-        hit_margin_m: A reading nearer than this to a support or to an object that is believed to be there has hit that,
-            and not something unknown; voxels and the edges of objects.
-        hit_sds: Added to it, times the sd that the camera's calibration error gives a place.
-        arm_m: A reading this near the axis of an arm has hit the arm, or what is in its hand.
-        least_hits: Fewer readings in a region than this are errors at edges.
-        refuted: How many times likelier a detection is of nothing than of an object if the picture shows what is behind
-            its place; otherwise it may just not show that.
-        coincidence: Share of detections of nothing at whose place the picture shows something solid all the same: as
-            much of a top as things cover.
-        other_solid: P(something that nothing explains stands where an object is believed to be | it does not exist).
-        other_solids: Expected number of solids above a support that are of no type that is looked for: what was hit in
-            a region is one of them, or one of the objects that were told to be expected there.
-        unseen_points: Most points by which a snapshot tells the unseen part of a region.
-        typical_range_m: Horizontal distance from which the robot looks at what it examines.
-        typical_drop_m: How far below the camera things stand: a head at 1.4 m, a table at 0.7 m.
-        fit_sd_m: Of a detection's place beside the camera's error.
-        fit_sd_rad: Of the heading of a box beside the camera's error.
-        table_sd_m: Of a table's place beside the camera's error.
+        seen_share: Least share of an object's outline that is in sight if the object can be detected.
+        depth_margin_m: Least distance in front of an object at which another one hides it: errors of camera and fit.
+        sight_m: Greatest distance from the camera at which objects are detected.
+        sought_sd_m: Sd of a place, along its largest axis, from which a missed detection moves the place out of sight.
+        place_step_m: Distance between the weighted places of such an object: about an object's width.
+        look_width_m: Width around a place that a look shows: a third of the picture at a distance of one metre.
+        unshown: P(missed detection | an object is in sight and the picture shows nothing solid in its place), relative
+            to that of an object that the picture shows: edges of depth images, errors of the camera's calibration.
+        voxel_m: Edge of the voxels of regions: about half of the thinnest object that is searched for.
+        voxel_margin_m: Greatest distance at which a reading may end before the centre of an empty voxel: depth's error.
+        hit_margin_m: Greatest distance of a reading from the support or believed object that it has hit: errors of
+            voxels and of the edges of objects.
+        hit_sds: Number of sds that are added to it; the sd is that of a place by the camera's calibration error.
+        arm_m: Greatest distance from an arm's axis of a reading that has hit the arm or the object in its hand.
+        least_hits: Least number of readings that count in a region; fewer are errors at edges.
+        refuted: Factor on the expected number of false detections at a place if the picture shows the space behind it.
+        coincidence: Share of false detections at whose place the picture shows something solid: about the share of a
+            top that objects cover.
+        other_solid: P(an unexplained solid stands in the place of an object | the object does not exist).
+        other_solids: Expected number of solids above a support that are of no type that the detector reports. An
+            unexplained solid in a region is one of them, or one of the objects that the prior expects there.
+        unseen_points: Greatest number of points for the unseen part of a region in a snapshot.
+        typical_range_m: Horizontal distance of the camera from an object that the robot examines.
+        typical_drop_m: Height of the camera above objects: a head at 1.4 m, a table at 0.7 m.
+        fit_sd_m: Sd of a detection's place, without the camera's error.
+        fit_sd_rad: Sd of the heading of a box, without the camera's error.
+        table_sd_m: Sd of a table's place, without the camera's error.
         table_sd_rad: The same for its heading.
-        unknown_heading_sd_rad: Of the heading of a cylinder, uniform over the circle: pi / sqrt(3).
-        height_sd_m: Of where the base of a resting object is, given its support.
-        height_tolerance_m: Height above a support's top up to which an object can be resting on it.
-        capture_sd_m: Where an object can be between the fingers that hold it, each axis: uniform over 3.5 cm each way.
+        unknown_heading_sd_rad: Sd of the heading of a cylinder, uniform over the circle: pi / sqrt(3).
+        height_sd_m: Sd of the height of a resting object's base, given its support.
+        height_tolerance_m: Greatest distance in height between a support's top and the base of an object on it.
+        capture_sd_m: Sd of a held object's place between the fingers, each axis: uniform over 3.5 cm each way.
         capture_sd_rad: The same for its heading.
-        pushed_sd_m: How far a failed pick may push the object, each axis.
-        pushed_sd_rad: How far a failed pick may turn it.
-        dropped_sd_m: How far an object may lie from where a failed place released it, each axis.
-        lost_sd_m: How far what is no longer in a hand may be from where the hand was found empty, each axis: it fell on
-            the way, or somebody took it and put it down nearby.
+        pushed_sd_m: Sd of an object's motion by a failed pick, each axis.
+        pushed_sd_rad: Sd of its turn by a failed pick.
+        dropped_sd_m: Sd of an object's place around the point at which a failed place released it, each axis.
+        lost_sd_m: Sd of a lost object's place around the hand that was found empty, each axis: the object fell on the
+            way, or somebody took it and put it down nearby.
         lost_sd_z_m: The same for its height: from the floor to a table.
-        lost_rests: P(it stands on a support that is known, rather than on the floor or where nobody looks).
-        touched_sd_m: How far the base may stand from where it was believed to when an arm touched something, each axis.
+        lost_rests: P(a lost object stands on a known support, and not on the floor or out of all sight).
+        touched_sd_m: Sd of the base around its believed place after an arm touched something, each axis.
         touched_sd_rad: The same for its heading.
-        bulky_kg: Median weight of what cannot be lifted, tables above all, if nothing is told of it.
-        bulky_sigma: Sd of the logarithm of that.
+        bulky_kg: Median weight of an object that cannot be lifted, such as a table, if the prior states none.
+        bulky_sigma: Sd of the logarithm of that weight.
         pick_fails: P(a pick closes on nothing | the object exists).
         pick_deceives: P(a pick closes on something | the object does not exist).
         closed_gap_m: Gap between the fingers below which they hold nothing.
-        hypotheses: How many are kept when the detections of a look are assigned jointly; 0: pairs are judged alone.
-        place_gate: The same for a place alone: chi-square, 2 degrees, .99.
-        merge_doubt: Probability of standing apart below which two anchors that overlap are of one object.
-        same_sd_m: How far apart the places of two anchors can be that are of one object, each axis.
-        consolidate_after: Drives and looks after which the past is summed up; runs of the usual length never are.
-        coupled: Variables that one factor may couple when it is; beyond, matrices grow too large to work with often.
-        least_sd: Floor of every sd that enters the graph, metres or radians: keeps the information matrix well
-            conditioned; a tenth of a millimetre is below what any sensor resolves.
+        hypotheses: Number of hypotheses kept when the detections of a look are assigned jointly; 0: each pair is scored
+            alone.
+        place_gate: As `gate`, for a place without heading: chi-square, 2 degrees, .99.
+        merge_doubt: P(two anchors stand apart) below which they are of one object.
+        same_sd_m: Sd of the distance between the places of two anchors of one object, each axis.
+        consolidate_after: Number of drives and looks after which the past is summed up; usual runs are shorter.
+        coupled: Greatest number of variables that one factor of the sum couples; larger matrices take too long.
+        least_sd: Floor of every sd in the graph, metres or radians. It keeps the information matrix well conditioned.
+            No sensor resolves a tenth of a millimetre.
     """
 
     listed: float = 0.05

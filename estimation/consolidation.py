@@ -1,9 +1,10 @@
-"""Forgetting variables that nothing will be asked of: what they say about the others, in a few linear factors.
+"""Elimination of variables that no question asks for any more. A few linear factors keep their information on the rest.
 
-While few variables are coupled this is exact at the point of linearisation. Each block of poses that is eliminated
-couples all that was seen from it, though, and through the base all that was ever seen; so where more than a bounded
-number would be coupled, the base's memory of how it came to the block is dropped. Dropping a constraint only ever
-widens the belief, and as every factor then speaks of a bounded number of variables, time and memory stay bounded.
+The elimination is exact at the point of linearisation while few variables are coupled. But each eliminated block of
+poses couples all objects that were seen from it, and, through the base, all objects that were ever seen. If a factor
+would couple more variables than allowed, the constraint between the block and the earlier path of the base is dropped.
+A dropped constraint can only widen the belief. Every factor then couples a bounded number of variables, so time and
+memory stay bounded.
 """
 
 from collections.abc import Iterable
@@ -11,17 +12,17 @@ from dataclasses import dataclass
 
 import gtsam
 
-RELOCATING = 2  # things met before that a block must see again before the memory of the way to it can be dropped
+RELOCATING = 2  # least number of known objects that a block sees, if the constraint to the earlier path is dropped
 Keys = frozenset[int]
 
 
 @dataclass(frozen=True, slots=True)
 class Exchange:
-    """What to replace in a smoother.
+    """A replacement of factors in a smoother.
 
     Attributes:
-        removed: Indices of factors.
-        added: Factors that say the same, or less, of the variables that are kept.
+        removed: Indices of the replaced factors.
+        added: Factors over the kept variables, with the same information or less.
     """
 
     removed: tuple[int, ...]
@@ -29,13 +30,13 @@ class Exchange:
 
 
 def exchange(isam: gtsam.ISAM2, gone: Keys, entry: int, coupled: int) -> Exchange:
-    """Return how a smoother can do without some of its variables.
+    """Return the replacement of factors that eliminates some variables of a smoother.
 
     Args:
         isam: The smoother.
         gone: Keys to eliminate.
-        entry: Among them, the base where the block of poses begins: what is known of it stems from blocks before.
-        coupled: How many variables one factor may couple.
+        entry: The key in `gone` of the first base pose of the block; earlier blocks constrain this pose.
+        coupled: Greatest number of variables that one factor may couple.
     """
     factors = isam.getFactorsUnsafe()
     keys_of = {i: frozenset(factors.at(i).keys()) for i in range(factors.size()) if factors.exists(i)}
@@ -65,7 +66,7 @@ def _is_memory(factor: gtsam.NonlinearFactor) -> bool:
 
 
 def _absorbed(keys: Keys, others: dict[int, Keys], coupled: int) -> tuple[int, ...]:
-    """Return which summaries to merge with one over `keys`: most in common first, as far as the bound allows."""
+    """Return the summaries to merge with one over `keys`: most common keys first, as far as the bound allows."""
     chosen: list[int] = []
     for i in sorted(others, key=lambda i: (-len(others[i] & keys), i)):
         if others[i] & keys and len(others[i] | keys) <= coupled:
@@ -77,7 +78,7 @@ def _absorbed(keys: Keys, others: dict[int, Keys], coupled: int) -> tuple[int, .
 def _marginal(
     factors: gtsam.NonlinearFactorGraph, part: Iterable[int], gone: Keys, point: gtsam.Values
 ) -> gtsam.GaussianFactorGraph:
-    """Return what some factors say of the variables that are kept."""
+    """Return the marginal of some factors over the kept variables."""
     chosen = gtsam.NonlinearFactorGraph()
     for i in part:
         chosen.push_back(factors.at(i))
@@ -87,7 +88,7 @@ def _marginal(
 
 
 def _summary(linear: gtsam.GaussianFactorGraph, point: gtsam.Values) -> gtsam.LinearContainerFactor:
-    """Return one factor for all of a linear graph."""
+    """Return one factor that stands for a whole linear graph."""
     factor = gtsam.HessianFactor(linear)
     at = gtsam.Values()
     for key in factor.keys():

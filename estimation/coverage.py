@@ -1,6 +1,6 @@
-"""Which part of a box of air is known, in voxels, and where in it a thing could still be hidden.
+"""The known part of a box of air, in voxels, and the places in it where an object could still be hidden.
 
-Coordinates are those of the face the box stands on: x and y from its centre, z from the face up, metres.
+The frame is that of the face on which the box stands: x and y from its centre, z from the face up, metres.
 """
 
 import math
@@ -21,13 +21,13 @@ class Grid:
 
     Attributes:
         shape: Number of voxels along x, y, z.
-        step: Edges of a voxel, metres.
-        centres: Of the voxels, shape (n, 3), the last axis of `shape` fastest.
-        spread: Numbers of all voxels in an order (Morton's) of which any evenly spaced choice is spread evenly.
+        step: Edges of a voxel, metres, shape (3,).
+        centres: Centres of the voxels, shape (n, 3); the last axis of `shape` varies fastest.
+        spread: Indices of all voxels in Morton order; voxels at equal distances in it are spread evenly in space.
     """
 
     def __init__(self, size_m: tuple[float, float, float], voxel_m: float) -> None:
-        """Cut a box of that size into voxels of about `voxel_m` that fill it exactly."""
+        """Cut a box of a size into voxels of about `voxel_m` that fill it exactly."""
         x, y, z = (max(1, round(size / voxel_m)) for size in size_m)
         self.shape = (x, y, z)
         self.step = np.array(size_m) / self.shape
@@ -40,13 +40,13 @@ class Grid:
         self.spread: NDArray[np.int64] = np.argsort(code, kind="stable")
 
     def inside(self, kind: ObjectType, face_T_thing: Pose2, z: float, margin_m: float) -> Mask:
-        """Return which voxels have their centre in an upright thing, or near its sides or top, shape (n,).
+        """Return the mask, shape (n,), of voxels whose centre is in an upright object, or near its sides or top.
 
         Args:
-            kind: Its shape and size.
-            face_T_thing: Where it stands.
+            kind: Shape and size of the object.
+            face_T_thing: Its pose.
             z: Height of its base above the face, metres.
-            margin_m: How near.
+            margin_m: Greatest distance that counts as near.
         """
         x, y, theta = face_T_thing
         dx, dy = self.centres[:, 0] - x, self.centres[:, 1] - y
@@ -60,17 +60,17 @@ class Grid:
         return np.asarray(within & (above > 0.0) & (above < height + margin_m))
 
     def contains(self, points: Array) -> Mask:
-        """Return which points, shape (m, 3), lie in the box, shape (m,)."""
+        """Return the mask, shape (m,), of points, shape (m, 3), that lie in the box."""
         offset = (points - self.centres[0]) / self.step + 0.5
         return np.asarray(((offset >= 0.0) & (offset < self.shape)).all(axis=1))
 
     def count(self, points: Array) -> NDArray[np.int64]:
-        """Return how many of the points, shape (m, 3), all in the box, lie in each voxel, shape (n,)."""
+        """Return the number of points in each voxel, shape (n,); all points, shape (m, 3), lie in the box."""
         x, y, z = np.floor((points - self.centres[0]) / self.step + 0.5).astype(np.int64).T
         return np.bincount((x * self.shape[1] + y) * self.shape[2] + z, minlength=len(self.centres))
 
     def window(self, size_m: tuple[float, float, float]) -> tuple[int, int, int]:
-        """Return how many voxels a thing fills at least, wherever it stands: along x, y, z, each at least 1."""
+        """Return the least number of voxels that an object fills along x, y and z at any place, each at least 1."""
         thin = min(size_m[:2])
         across = [max(1, math.floor(thin / step)) for step in self.step[:2]]
         return (across[0], across[1], min(max(1, math.floor(size_m[2] / self.step[2])), self.shape[2]))
@@ -78,14 +78,14 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """What is known of a box.
+    """The known part of a box.
 
     Attributes:
         grid: Its voxels.
-        window: Voxels that the smallest thing that may be hidden fills: along x, y, z.
-        known: Voxels that were seen to be empty, or that a known thing fills, shape (n,).
+        window: Number of voxels along x, y, z that the smallest object that may be hidden fills.
+        known: Mask of the voxels that were seen to be empty or that a known object fills, shape (n,).
         contents: Share of the voxels that are known.
-        hidden: Share of the places on the face where such a thing could stand in unknown voxels alone.
+        hidden: Share of the places on the face at which the smallest object would fill unknown voxels only.
     """
 
     grid: Grid
@@ -99,18 +99,18 @@ class Coverage:
         object.__setattr__(self, "hidden", self._hidden())
 
     def with_known(self, known: Mask) -> "Coverage":
-        """Return the coverage with more voxels known, shape (n,); none is ever forgotten."""
+        """Return the coverage with more known voxels, shape (n,); a known voxel stays known."""
         return Coverage(self.grid, self.window, self.known | known)
 
     def unknown_around(self, x: float, y: float) -> float:
-        """Return the share of unknown voxels where the smallest thing would stand if it stood at (x, y)."""
+        """Return the share of unknown voxels among those of the smallest object at a place (x, y)."""
         half = self.grid.step * self.window / 2.0
         off = np.abs(self.grid.centres - (x, y, half[2]))
         there = (off <= np.maximum(half, self.grid.step / 2.0)).all(axis=1)
         return float(1.0 - self.known[there].mean()) if there.any() else 0.0
 
     def unknown_points(self, most: int, also: Mask) -> Array:
-        """Return centres of at most so many voxels that are unknown or in `also`, shape (n,); evenly dense."""
+        """Return centres, (k, 3), of at most `most` voxels that are unknown or in the mask `also`, evenly spread."""
         order = self.grid.spread[(~self.known | also)[self.grid.spread]]
         count = min(most, len(order))
         return self.grid.centres[order[(2 * np.arange(count) + 1) * len(order) // (2 * max(count, 1))]]

@@ -1,7 +1,7 @@
-"""What happened to the robot and its objects, as far as it can tell: the log from which every belief can be rebuilt.
+"""Events: changes of the robot and its objects, as far as the robot can tell. A log of them rebuilds every belief.
 
-An event carries all it takes to apply it: which anchor a detection was assigned to is part of what happened, so
-reading a log back does not assign again. Events are messages: frozen, validated, with one canonical JSON form.
+An event carries everything that is needed to apply it. For example, it names the anchor of each detection, so that
+detections of a log are not assigned again. Events are messages: frozen, validated, with one canonical JSON form.
 """
 
 from collections.abc import Iterable
@@ -27,21 +27,21 @@ Place = tuple[Anchor, float, float, float]  # a support, x and y on its top, and
 
 
 class Began(Message):
-    """The robot was told its prior belief."""
+    """The robot began with a prior."""
 
     kind: Literal["began"] = "began"
     prior: Prior
 
 
 class Posed(Message):
-    """The encoders read so."""
+    """The encoders gave the robot's joints."""
 
     kind: Literal["posed"] = "posed"
     robot: RobotState
 
 
 class Moved(Message):
-    """The base drove; sds are of the true motion around the wheels' word, in the frame of its end."""
+    """The base drove; the sds are those of the true motion around the odometry, in the frame of the end pose."""
 
     kind: Literal["moved"] = "moved"
     start_T_end: Pose2
@@ -50,7 +50,7 @@ class Moved(Message):
 
 
 class Sighting(Message):
-    """A detection and the anchor it was assigned to."""
+    """A detection and its assigned anchor."""
 
     anchor: Anchor
     new: bool = Field(description="the anchor was made for this detection")
@@ -69,7 +69,7 @@ class Sighting(Message):
 
 
 class Missed(Message):
-    """An anchor that a look did not report."""
+    """An anchor without a detection in a look."""
 
     anchor: Anchor
     p_reported: Probability = Field(description="P(the look reports it | it exists)")
@@ -91,7 +91,7 @@ class Looked(Message):
 
 
 class Sought(Message):
-    """An object of whose place little is known was not seen where it was looked for; this is where it may be now."""
+    """The places of an object with an uncertain place, after a look that did not detect it."""
 
     kind: Literal["sought"] = "sought"
     anchor: Anchor
@@ -119,7 +119,7 @@ class PickFailed(Message):
 
 
 class Lost(Message):
-    """A hand no longer holds an object, which slipped, was taken, or did not come to rest; sds are of where it is."""
+    """A hand lost an object, which slipped, was taken, or did not come to rest; the sds are those of its place."""
 
     kind: Literal["lost"] = "lost"
     hand: Hand
@@ -131,14 +131,14 @@ class Lost(Message):
 
 
 class Gone(Message):
-    """An object that was met before is not where it was: somebody put it elsewhere, or the robot pushed it off."""
+    """A known object is no longer in its place: somebody put it elsewhere, or the robot pushed it off."""
 
     kind: Literal["gone"] = "gone"
     anchor: Anchor
 
 
 class Placed(Message):
-    """Fingers opened and left an object; sds are of its motion at release."""
+    """Fingers opened and released an object; the sds are those of its motion at release."""
 
     kind: Literal["placed"] = "placed"
     hand: Hand
@@ -151,7 +151,7 @@ class Placed(Message):
 
 
 class Weighed(Message):
-    """The wrist that holds an object felt it."""
+    """The wrist of a hand measured the weight of the held object."""
 
     kind: Literal["weighed"] = "weighed"
     anchor: Anchor
@@ -159,7 +159,7 @@ class Weighed(Message):
 
 
 class Merged(Message):
-    """Two anchors turned out to be of one object; the first keeps its name."""
+    """Two anchors turned out to be of one object, which keeps the name `anchor`."""
 
     kind: Literal["merged"] = "merged"
     anchor: Anchor
@@ -169,7 +169,7 @@ class Merged(Message):
 
 
 class Split(Message):
-    """An anchor turned out to have been two objects, so that what was seen of it may have been seen of either."""
+    """An anchor turned out to have been of two objects, so each of its detections may have been of either."""
 
     kind: Literal["split"] = "split"
     anchor: Anchor
@@ -178,7 +178,7 @@ class Split(Message):
 
 
 class Consolidated(Message):
-    """The past was summed up: nothing will be asked of former places of the base, of former grasps and places."""
+    """The past was summed up: no question asks for earlier poses of the base and objects, or for earlier grasps."""
 
     kind: Literal["consolidated"] = "consolidated"
     forgotten: tuple[Anchor, ...] = Field(default=(), description="anchors given up since")
@@ -205,7 +205,7 @@ EVENT: TypeAdapter[Event] = TypeAdapter(Event, config=ConfigDict(defer_build=Tru
 
 
 def canonical_order(detections: Iterable[Detection]) -> tuple[Detection, ...]:
-    """Return detections sorted by pose, colour, likelihoods and points, so that no sensor's order decides anything."""
+    """Return detections sorted by pose, colour, likelihoods and points, so that the sensor's order has no effect."""
 
     def key(detection: Detection) -> tuple[object, ...]:
         numbers = (*detection.base_T_object, *detection.rgb)

@@ -1,7 +1,8 @@
-"""How well a camera whose frame is a little off sees where things are: the error common to a look, and the rest.
+"""The error of detected poses: a common part by the camera's calibration, and an own part of each detection.
 
-A rigid error of the camera frame (shift, and rotation about the camera) moves all it sees: by the shift, by the
-heading's error times the horizontal distance, and by the tilt times the height of the camera above the thing.
+A rigid error of the camera frame (a shift, and a rotation about the camera) moves all detections of a look. They move
+by the shift, by the error of heading times the horizontal distance, and by the tilt times the height of the camera
+above the object.
 """
 
 import math
@@ -15,12 +16,12 @@ from skolem.traces.messages import NoiseModel, ObjectType, Pose2
 
 
 def camera_covariance(noise: NoiseModel, camera_xy: Vector, drop_m: float) -> Matrix:
-    """Return the covariance of the base frame as a camera has it, over (x, y, theta), shape (3, 3).
+    """Return the covariance of the base's pose by the camera's error, over (x, y, theta), base frame, shape (3, 3).
 
     Args:
-        noise: Gives the sd of the camera frame's shift and rotation, each axis.
-        camera_xy: Where the camera is, shape (2,), base frame.
-        drop_m: How far below the camera the things it sees stand.
+        noise: Gives the sds of the camera frame's shift and rotation, each axis.
+        camera_xy: Position of the camera, shape (2,), metres, base frame.
+        drop_m: Height of the camera above the objects in the picture.
     """
     plane = noise.extrinsics_sd_m**2 + (noise.extrinsics_sd_rad * drop_m) ** 2
     at_base = adjoint((float(camera_xy[0]), float(camera_xy[1]), 0.0))
@@ -28,15 +29,15 @@ def camera_covariance(noise: NoiseModel, camera_xy: Vector, drop_m: float) -> Ma
 
 
 def at_object(covariance: Matrix, base_T_object: Pose2) -> Matrix:
-    """Return what a covariance of the base frame does to a pose seen from it, object frame."""
+    """Return the covariance of an object's pose, object frame, (3, 3), that follows from one of the base's pose."""
     jacobian = adjoint(inverse(base_T_object))
     return np.asarray(jacobian @ covariance @ jacobian.T)
 
 
 def own_covariance(measured: Measured, camera: Matrix, config: EstimatorConfig) -> Matrix:
-    """Return the part of a detection's covariance that it does not share with the others of its look.
+    """Return the part of a detection's covariance that it does not share with the others of its look, shape (3, 3).
 
-    What the detector reports is the whole error; less than `fit_sd_m` in any direction is not left.
+    The covariance of the detector is that of the whole error. In no direction is the own sd less than `fit_sd_m`.
     """
     own = measured.covariance - at_object(camera, measured.base_T_object)
     values, vectors = np.linalg.eigh(own)
@@ -44,7 +45,7 @@ def own_covariance(measured: Measured, camera: Matrix, config: EstimatorConfig) 
 
 
 def sighting_z_sd(noise: NoiseModel, range_m: float, config: EstimatorConfig) -> float:
-    """Return the sd of a detected height at a horizontal distance from the camera, metres."""
+    """Return the sd, in metres, of a detected height at a horizontal distance `range_m` from the camera."""
     tilt = noise.extrinsics_sd_rad * range_m
     return math.sqrt(noise.extrinsics_sd_m**2 + tilt**2 + config.fit_sd_m**2)
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.special import owens_t
 
 Array = NDArray[np.float64]
-LEAST_SD = 1e-9  # metres; a thinner Gaussian is widened to this before it is whitened
-TINY = 1e-300  # keeps a quotient of zeros finite
+LEAST_SD = 1e-9  # metres; a narrower Gaussian is widened to this before it is whitened
+TINY = 1e-300  # divisor instead of zero
 
 
 def prob_in_polygon(mean: Array, covariance: Array, vertices: Array) -> float:
@@ -18,9 +18,9 @@ def prob_in_polygon(mean: Array, covariance: Array, vertices: Array) -> float:
     difference of Owen's T functions (Owen, "Tables for computing bivariate normal probabilities", 1956).
 
     Args:
-        mean: Shape (2,).
-        covariance: Shape (2, 2).
-        vertices: Of a simple polygon, counter-clockwise, shape (m, 2).
+        mean: Mean of x, shape (2,).
+        covariance: Covariance of x, shape (2, 2), in the frame of `vertices`.
+        vertices: Vertices of a simple polygon, counter-clockwise, shape (m, 2), in the unit of `mean`.
     """
     a = max(math.sqrt(covariance[0, 0]), LEAST_SD)
     b = covariance[1, 0] / a
@@ -38,7 +38,7 @@ def prob_in_polygon(mean: Array, covariance: Array, vertices: Array) -> float:
 
 
 def _triangle(distance: Array, reach: Array) -> Array:
-    """Return the standard normal mass of right triangles from the origin with legs `distance`, `reach`; signed."""
+    """Return the signed standard normal mass of right triangles at the origin with legs `distance` and `reach`."""
     return np.asarray(np.arctan2(reach, distance) / math.tau - owens_t(distance, reach / distance))
 
 
@@ -55,8 +55,8 @@ def disc(radius: float, corners: int = 32) -> Array:
 
 
 def covariance_within(covariance: Array, bound: Array) -> bool:
-    """Return whether covariance <= bound in the Loewner order: its ellipsoid lies in the bound's; up to rounding.
+    """Return whether covariance <= bound in the Loewner order, up to rounding: its ellipsoid lies in the bound's.
 
-    Both have shape (n, n) and one frame.
+    Both have shape (n, n) and the same frame.
     """
     return bool(np.linalg.eigvalsh(bound - covariance)[0] >= -1e-9 * np.trace(bound))

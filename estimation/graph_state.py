@@ -1,6 +1,6 @@
-"""What the pose graph knows beside its log: the smoother, which variable stands for what, and who is in which hand.
+"""The state of the pose graph: the smoother, the present variables, and the object in each hand.
 
-Beside it stands the factor that ties a grasp to the base and to what is held.
+The file also holds the factor between a grasp, the base and the held object.
 """
 
 from copy import copy
@@ -14,12 +14,12 @@ from skolem.estimation.se2 import Matrix
 from skolem.traces.messages import Hand, Pose2, RobotState
 
 Factorization = Literal["CHOLESKY", "QR"]
-RELINEARIZE_FROM = 0.001  # change of a variable, metres or radians, from which its factors are linearised anew
+RELINEARIZE_FROM = 0.001  # least change of a variable, metres or radians, at which its factors are linearised anew
 
 
 @dataclass(frozen=True, slots=True)
 class Grasp:
-    """The variable of a grasp and what it holds."""
+    """The variable of a grasp, and the object that it holds."""
 
     key: int
     anchor: str
@@ -28,19 +28,19 @@ class Grasp:
 
 @dataclass(slots=True)
 class State:
-    """Everything that events change.
+    """The part of a pose graph that events change.
 
     Attributes:
         isam: The smoother.
-        robot: What the encoders last said.
+        robot: The last reading of the encoders.
         noise: Sds of a grasp, metres and radians.
-        base: Key of where the base is now.
-        entry: Key of where it was at the last consolidation, or at the start.
-        moves, looks, picks: How many there were.
-        numbers: Of each anchor.
-        epochs: How often each anchor was moved.
-        grasps: By the hand that holds something.
-        forgotten: Where anchors that were given up were last believed.
+        base: Key of the base's present pose.
+        entry: Key of the base's pose at the last consolidation, or at the start.
+        moves, looks, picks: Number of each so far.
+        numbers: Number of each anchor.
+        epochs: Number of times that each anchor was moved.
+        grasps: Grasp of each hand that holds an object.
+        forgotten: Last world_T_object of each anchor that was given up.
     """
 
     isam: gtsam.ISAM2
@@ -57,7 +57,7 @@ class State:
     forgotten: dict[str, Pose2] = field(default_factory=dict)
 
     def copied(self) -> "State":
-        """Return a state that changes of this one leave alone."""
+        """Return a copy that shares nothing changeable with this state."""
         fields = {name: copy(getattr(self, name)) for name in self.__slots__ if name != "isam"}
         return State(gtsam.ISAM2(self.isam), **fields)
 
@@ -66,9 +66,9 @@ def empty(factorization: Factorization = "CHOLESKY") -> State:
     """Return the state before the first event.
 
     Args:
-        factorization: Of the smoother. Cholesky finds graphs indeterminate in which a place is known a thousand times
-            better than another: where wheels are exact, or the robot has driven far without a look. QR does not; it
-            takes a tenth longer, of large factors half as long again and more memory.
+        factorization: Method of the smoother. Cholesky fails as indeterminate if one place is known a thousand times
+            better than another: with exact wheels, or after a long drive without a look. QR does not fail then. It
+            takes a tenth longer; with large factors half as long again, and more memory.
     """
     parameters = gtsam.ISAM2Params()
     parameters.setRelinearizeThreshold(RELINEARIZE_FROM)
@@ -85,8 +85,8 @@ def grasp_factor(base: int, item: int, grasp: int, base_T_tool: Pose2, sds: tupl
         base: Key of world_T_base.
         item: Key of world_T_object.
         grasp: Key of tool_T_object.
-        base_T_tool: Exact.
-        sds: Of the object's motion in its own frame, metres and radians.
+        base_T_tool: The tool's pose, which is exact.
+        sds: Sds of the object's motion in its own frame, metres and radians.
     """
     tool = gtsam.Pose2(*base_T_tool)
 
@@ -105,5 +105,5 @@ def grasp_factor(base: int, item: int, grasp: int, base_T_tool: Pose2, sds: tupl
 
 
 def diagonal(sd_m: float, sd_rad: float) -> gtsam.noiseModel.Diagonal:
-    """Return the noise of a pose by the sds of its place and of its turn."""
+    """Return the noise of a pose with given sds of place, each axis, and heading."""
     return gtsam.noiseModel.Diagonal.Sigmas(np.array([sd_m, sd_m, sd_rad]))

@@ -1,8 +1,9 @@
-"""When two anchors turn out to be of one object, and when one turns out to have been of two.
+"""Corrections of identity: two anchors of one object are merged, and one anchor of two objects is split.
 
-Two upright things cannot stand in the same place. So anchors that are believed to overlap, at places that agree, are of
-one object: it was met twice, say because the wheels had slipped in between. And an anchor over whose place a look shows
-two things, neither of them there, was two all along: what was seen of either moved it to a place between them.
+Two upright objects cannot stand in the same place. So two anchors are of one object if they are believed to overlap and
+their places agree. The object was met twice, for example because the wheels slipped in between. And an anchor has been
+of two objects if a look shows two objects that overlap its place, but none at its place. Detections of both have
+moved the anchor to a place between them.
 """
 
 import math
@@ -23,14 +24,14 @@ from skolem.traces.messages.poses import flat
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Which anchors are which, on the present belief."""
+    """Finds corrections of identity in the present belief."""
 
     graph: PoseGraph
     tracks: Tracks
     config: EstimatorConfig
 
     def merges(self, look: Looked) -> Iterator[Merged]:
-        """Return which anchors are of one object, after a look at some; the one introduced first keeps its name."""
+        """Yield the merges of anchors that a look has shown to be of one object; the older anchor keeps its name."""
         loose = self._loose()
         order = {anchor: i for i, anchor in enumerate(loose)}
         places = np.array([self.graph.mean(BASE, anchor)[:2] for anchor in loose]).reshape(-1, 2)
@@ -46,7 +47,7 @@ class Identity:
                 yield self._merged(first, second)
 
     def splits(self, detections: tuple[Detection, ...]) -> Iterator[Split]:
-        """Return which anchors were two, before a look with these detections is taken in."""
+        """Yield the splits of anchors that have been of two objects, before the look of these detections is applied."""
         things = [d for d in detections if self.tracks.seen_as(d).graspable]
         anchors = self._loose() if len(things) > 1 else ()
         beliefs = {a: self.graph.relative(BASE, a) for a in anchors if self._is_near(a, things)}
@@ -59,7 +60,7 @@ class Identity:
                 yield Split(anchor=anchor, sd_m=over[1], sd_rad=self.config.unknown_heading_sd_rad)
 
     def _loose(self) -> tuple[str, ...]:
-        """Return the anchors that may be confused: things to grasp that are not held."""
+        """Return the anchors that may be confused: detectable graspable objects that no hand holds."""
         return tuple(anchor for anchor in self.tracks.detectable() if self.tracks.kind(anchor).graspable)
 
     def _widest(self) -> float:
@@ -75,7 +76,7 @@ class Identity:
         return agree and overlap(self.graph, self.tracks, self.config, a, b)
 
     def _merged(self, anchor: str, other: str) -> Merged:
-        """Return the event; a heading tells nothing if the types differ or look alike all around."""
+        """Return the merge; the other heading is unknown if the types differ, or if they look the same all around."""
         kind = self.tracks.kind(anchor)
         if kind.shape == "cylinder" or kind != self.tracks.kind(other):
             return Merged(anchor=anchor, other=other, turn=0.0, sd_rad=self.config.unknown_heading_sd_rad)
@@ -90,11 +91,11 @@ class Identity:
         return any(math.dist((x, y), d.base_T_object[:2]) < 4.0 * self._widest() for d in things)
 
     def _touching(self, anchor: str, thing: Detection) -> float:
-        """Return the distance of middles below which a thing and one at the anchor's place would overlap."""
+        """Return the distance of middles, metres, below which a detected object and the anchor's would overlap."""
         return _core(self.tracks.kind(anchor)) + _core(self.tracks.seen_as(thing))
 
     def _off(self, believed: tuple[float, float, float], covariance: Matrix, seen: Detection) -> tuple[float, float]:
-        """Return how far a detection is from a believed place: in metres, and as a squared Mahalanobis distance."""
+        """Return the distance of a detection from a believed place, in metres and as a squared Mahalanobis distance."""
         place = flat(seen.base_T_object)
         off: Vector = np.array(place[:2]) - np.array(believed[:2])
         spread = turned(covariance, believed[2]) + turned(symmetric(seen.covariance), place[2])
@@ -102,7 +103,7 @@ class Identity:
 
 
 def overlap(graph: PoseGraph, tracks: Tracks, config: EstimatorConfig, a: str, b: str) -> bool:
-    """Return whether two anchors are, for sure, believed to stand in each other's place: one of them is not there."""
+    """Return whether two anchors surely overlap by the belief, so that one of them cannot be there."""
     one, two = tracks[a], tracks[b]
     height_sd = math.sqrt(one.z_variance + two.z_variance)
     if abs(one.z - two.z) > config.height_tolerance_m + 2.0 * height_sd:
@@ -113,5 +114,5 @@ def overlap(graph: PoseGraph, tracks: Tracks, config: EstimatorConfig, a: str, b
 
 
 def _core(kind: ObjectType) -> float:
-    """Return the radius of the largest upright cylinder inside an object, metres."""
+    """Return the radius, in metres, of the largest upright cylinder inside an object."""
     return min(kind.size_m[:2]) / 2.0

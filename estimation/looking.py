@@ -1,4 +1,4 @@
-"""From a picture to an event: which detection is of which anchor, what is new, and what should have been seen."""
+"""The event of a look: the anchor of each detection, the new objects, and the missed detections."""
 
 import math
 from dataclasses import dataclass
@@ -33,12 +33,12 @@ from skolem.estimation.visibility import DepthImage, is_solid, outline_radius, p
 from skolem.traces.messages import Detection, NoiseModel, ObjectType, Observation, Pose2
 from skolem.traces.messages.poses import flat
 
-LIKELY = 0.5  # a new object stands on the table that more likely than not is under it
+LIKELY = 0.5  # least probability that a table is below a new object, if the object is to stand on it
 
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """Where an anchor is believed to be: base_T_object and its covariance, object frame."""
+    """The believed base_T_object of an anchor, and its covariance, (3, 3), object frame."""
 
     anchor: str
     base_T_object: Pose2
@@ -46,7 +46,7 @@ class Expected:
 
 
 class Look:
-    """The interpretation of one look on the belief before it."""
+    """The interpretation of one look, given the belief before it."""
 
     def __init__(
         self, observation: Observation, graph: PoseGraph, tracks: Tracks, regions: Regions, config: EstimatorConfig
@@ -67,7 +67,7 @@ class Look:
         self._camera_covariance = camera_covariance(self._noise, self._camera[:2], drop)
 
     def event(self) -> Looked:
-        """Return what the look showed."""
+        """Return the event of the look: sightings, and missed detections."""
         matches = [[self._match(d, e) for e in self._expected] for d in self._detections]
         scores = np.array(
             [
@@ -95,12 +95,12 @@ class Look:
         )
 
     def _table(self, detection: Detection) -> ObjectType | None:
-        """Return the type of a detected table, None for a thing."""
+        """Return the type of a detected table, or None for another object."""
         kind = self._tracks.seen_as(detection)
         return kind if kind.shape == "table" else None
 
     def _height(self, detection: Detection) -> float:
-        """Return at which height a detected thing stands, or a table was seen."""
+        """Return the height, in metres, of a detected object's base, or of a detected table's top."""
         table = self._table(detection)
         return detection.base_T_object[2] + (table.size_m[2] if table else 0.0)
 
@@ -116,19 +116,19 @@ class Look:
         return match(expected.base_T_object, expected.covariance, self._measured(detection, expected))
 
     def _score(self, detection: Detection, expected: Expected, m: Match, gate: float) -> float:
-        """Return the log-likelihood ratio of "the detection is of this anchor" to "the anchor was not reported"."""
+        """Return the log-likelihood ratio of "the detection is of this anchor" to "the anchor was not detected"."""
         is_table = self._tracks.kind(expected.anchor).shape == "table"
         if m.distance2 > gate or is_table != (self._table(detection) is not None):
             return -math.inf
         if not is_table and not self._at_height(detection, expected.anchor):
             return -math.inf
         reported = self._tracks[expected.anchor].exists * self._noise.found
-        if reported <= 0.0:  # a detector that finds nothing
+        if reported <= 0.0:  # the detector finds nothing
             return -math.inf
         return self._log_likelihood(detection, expected, m) + math.log(reported / (1.0 - reported))
 
     def _at_height(self, detection: Detection, anchor: str) -> bool:
-        """Return whether a detected thing stands as high as an anchor is believed to."""
+        """Return whether the height of a detected object agrees with the believed height of an anchor."""
         track = self._tracks[anchor]
         sd = math.sqrt(self._z_sd(detection) ** 2 + track.z_variance)
         return abs(detection.base_T_object[2] - track.z) <= self._config.height_tolerance_m + 2.0 * sd
@@ -138,7 +138,7 @@ class Look:
         return m.log_density + math.log(max(evidence, 1e-300))
 
     def _unmatched(self, detection: Detection) -> float:
-        """Return the log density of detections that are of no anchor, over place, heading and reported type."""
+        """Return the log density of detections without an anchor, over place, heading and detected type."""
         types = self._tracks.prior.types.values()
         if self._table(detection):
             rate, kinds = self._config.new_tables_per_look, sum(kind.shape == "table" for kind in types)
@@ -148,10 +148,10 @@ class Look:
         return math.log(rate / (self._config.view_area_m2 * math.tau * kinds))
 
     def _false_per_look(self, detection: Detection) -> float:
-        """Return the expected number of detections of nothing per look, as far as this one's place looks like one.
+        """Return the expected number of false detections per look, given the depth image at the place of this one.
 
-        It does if the picture shows what is behind anything that could be there, whatever the detection takes it for.
-        It does not if the picture shows something solid there: a detection of nothing is rarely of where a thing is.
+        It is greater if the image shows the space behind the place, whatever the type of an object there would be. It
+        is less if the image shows something solid in the place, because few false detections coincide with an object.
         """
         if self._image is None:
             return self._noise.false_per_look
@@ -163,7 +163,7 @@ class Look:
         return self._noise.false_per_look * (config.coincidence if shown else 1.0)
 
     def _assigned(self, scores: Array, matches: list[list[Match]], unmatched: Array) -> tuple[int | None, ...]:
-        """Return which detection is of which anchor: jointly where one could be of several, as it then matters."""
+        """Return each detection's column in the best assignment; a joint one if a detection could be of several."""
         if not self._config.hypotheses or not is_ambiguous(scores):
             return assign(scores, unmatched)
         columns = np.flatnonzero(np.isfinite(scores).any(axis=0)).tolist()
@@ -179,12 +179,12 @@ class Look:
         return tuple(None if j is None else columns[j] for j in chosen)
 
     def _own(self, detection: Detection, expected: Expected) -> Measured:
-        """Return a detected pose with the part of its covariance that it shares with no other."""
+        """Return a detected pose with the part of its covariance that it shares with no other detection."""
         measured = self._measured(detection, expected)
         return Measured(measured.base_T_object, own_covariance(measured, self._camera_covariance, self._config))
 
     def _scene(self, columns: list[int]) -> Scene:
-        """Return the joint belief on the base as the camera has it, and on some of the expected anchors."""
+        """Return the joint belief on some expected anchors and on the base, to which the camera's error is added."""
         joint = self._graph.joint((BASE, *(self._expected[c].anchor for c in columns)))
         covariance = joint.covariance.copy()
         covariance[:3, :3] += self._camera_covariance
@@ -202,10 +202,10 @@ class Look:
         return self._sighting(detection, measured, expected.anchor, False, support, math.exp(log_odds))
 
     def _is_beside_all(self, detection: Detection) -> bool:
-        """Return whether a detection that is of no anchor can be of an object not met yet.
+        """Return whether a detection without an anchor can be of an object that nobody has met.
 
-        A table can if it is clearly beside every table that is known: no two overlap, so their middles are at least as
-        far apart as their narrower halves are wide together.
+        A detected table can if it is clearly beside every known table. Tables do not overlap, so the distance of two
+        middles is at least the sum of half the widths of both.
         """
         kind = self._table(detection)
         if kind is None:
@@ -229,7 +229,7 @@ class Look:
         return self._sighting(detection, measured, name, True, support, self._odds_of_real(detection, support))
 
     def _odds_of_real(self, detection: Detection, support: str | None) -> float:
-        """Return how many times likelier a detection that is of no anchor is of a new object than of nothing."""
+        """Return the odds that a detection without an anchor is of a new object and not false."""
         new, false = self._config.new_per_look, self._false_per_look(detection)
         if support is not None:
             support_T_object = between(self._graph.mean(BASE, support), flat(detection.base_T_object))
@@ -256,7 +256,7 @@ class Look:
         return sighting_z_sd(self._noise, math.hypot(x - self._camera[0], y - self._camera[1]), self._config)
 
     def _support_under(self, detection: Detection) -> str | None:
-        """Return the table on whose top a detected object probably stands."""
+        """Return the table that most likely supports a detected object, or None if none is likely."""
         pose, spread = flat(detection.base_T_object), symmetric(detection.covariance)
         z, z_variance = detection.base_T_object[2], self._z_sd(detection) ** 2
         best, best_probability = None, LIKELY
@@ -292,7 +292,7 @@ class Look:
     def _silent(
         self, anchor: str, places: tuple[Place, ...], sightings: tuple[Sighting, ...], image: DepthImage
     ) -> Missed:
-        """Return what the look says of an object that may stand at many places, and remember where it then may be."""
+        """Return the missed detection of an object with weighted places, and keep its places after the look."""
         said = silence(
             places,
             image,
@@ -308,11 +308,14 @@ class Look:
         return Missed(anchor=anchor, p_reported=rests * said.p_reported, solid=rests * said.solid)
 
     def sought(self) -> dict[str, tuple[Place, ...]]:
-        """Return where the objects may be that `event` found were not seen although little is known of their places."""
+        """Return the weighted places, after the look, of each missed object with an uncertain place.
+
+        They are known once `event` was called.
+        """
         return dict(self._sought)
 
     def _stands_in(self, seen: Sighting, missed: Expected) -> bool:
-        """Return whether a known thing was seen in the place of a missed one, which then is not just hidden by it."""
+        """Return whether a known object was detected in the place of a missed one, which then is not just hidden."""
         kind, other = self._tracks.seen_as(seen.detection), self._tracks.kind(missed.anchor)
         apart = math.dist(seen.detection.base_T_object[:2], missed.base_T_object[:2])
         if seen.new or not kind.graspable or apart > outline_radius(kind) + outline_radius(other):
@@ -320,7 +323,10 @@ class Look:
         return overlap(self._graph, self._tracks, self._config, seen.anchor, missed.anchor)
 
     def _explained(self, ends: Array, missed: str, sightings: tuple[Sighting, ...]) -> Mask:
-        """Return which readings, shape (n, 3), base frame, have hit an arm, something seen, or another thing known."""
+        """Return the mask, shape (n,), of readings that have hit an arm, a detected object or another known object.
+
+        A reading is given by its end, shape (n, 3), base frame.
+        """
         explained = near_arms(ends, self._graph.robot, self._config.arm_m)
         seen = {sighting.anchor: sighting for sighting in sightings}
         known = [name for name in self._tracks.likely() if name not in seen and name != missed]

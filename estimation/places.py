@@ -1,8 +1,8 @@
-"""Where an object of whose place little is known may stand: on which support, and where on its top.
+"""Weighted places of an object with an uncertain place: supports, and points on their tops.
 
-A Gaussian cannot say "not here, so beside it". While a place is known only to some decimetres it is therefore kept as a
-weight on each of many places, too: silence takes it from those that were in sight and leaves it to the others. The
-Gaussian that everybody else knows has its mean where most of the weight is and is as wide as the weights are spread.
+A Gaussian cannot express "not here, so beside it". So while a place is uncertain by some decimetres, the belief also
+keeps a weight on each of many places. A missed detection lowers the weights of the places in sight, and the other
+places gain. The Gaussian in the pose graph has its mean where most of the weight is, and the spread of the weights.
 """
 
 import math
@@ -25,7 +25,7 @@ Mask = NDArray[np.bool_]
 
 
 def is_sought(graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorConfig) -> bool:
-    """Return whether so little is known of where a thing to grasp is that its place is searched for."""
+    """Return whether the place of a graspable object is so uncertain that the object has weighted places."""
     track = tracks[anchor]
     if track.hand or not tracks.kind(anchor).graspable:
         return False
@@ -36,7 +36,7 @@ def is_sought(graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorCo
 
 
 def is_beside(graph: PoseGraph, tracks: Tracks, anchor: str) -> bool:
-    """Return whether the mean of an object's place is not on the table that it is believed to stand on."""
+    """Return whether the mean of an object's place lies beside the top of its believed table."""
     support = tracks[anchor].support
     if support is None or tracks.kind(support).shape != "table":
         return False
@@ -46,9 +46,9 @@ def is_beside(graph: PoseGraph, tracks: Tracks, anchor: str) -> bool:
 
 
 def believed_places(graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorConfig) -> tuple[Place, ...]:
-    """Return where an object may stand, by what is believed now; weights sum to 1; nothing if it is on no known top.
+    """Return the weighted places of an object by the present belief; weights sum to 1; nothing if no top is near.
 
-    What rests on a support is somewhere on its top; of what rests nowhere known, each table may be the support.
+    An object with a support is somewhere on the support's top. If the support is unknown, each table may be it.
     """
     track = tracks[anchor]
     if track.places:
@@ -75,7 +75,7 @@ def _tables(tracks: Tracks) -> Iterator[str]:
 
 
 def _top(size_m: tuple[float, float, float], step_m: float) -> Iterator[tuple[float, float]]:
-    """Yield places on a top, in its own frame, evenly spread."""
+    """Yield evenly spread places on a top, metres, in the frame of the top."""
     across, along = (max(1, round(size / step_m)) for size in size_m[:2])
     for i in range(across):
         for j in range(along):
@@ -83,7 +83,7 @@ def _top(size_m: tuple[float, float, float], step_m: float) -> Iterator[tuple[fl
 
 
 def normalised(places: list[Place], least: float = 1e-5) -> tuple[Place, ...]:
-    """Return places whose weights sum to 1, without those that have next to none."""
+    """Return places with weights that sum to 1; places with less than the share `least` of the weight are left out."""
     total = sum(weight for *_, weight in places)
     kept = [(s, u, v, w / total) for s, u, v, w in places if w >= least * total] if total > 0.0 else []
     rest = sum(weight for *_, weight in kept)
@@ -92,12 +92,12 @@ def normalised(places: list[Place], least: float = 1e-5) -> tuple[Place, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Silence:
-    """What a look that did not report an object says of where it is.
+    """The effect of a missed detection on an object with weighted places.
 
     Attributes:
-        p_reported: P(the look would have reported it | it exists).
-        solid: P(it was in sight, and the picture shows something unexplained in its place).
-        places: Where it may be after the look.
+        p_reported: P(the look detects the object | it exists).
+        solid: P(the object is in sight, and the picture shows something unexplained in its place).
+        places: The weighted places after the look.
     """
 
     p_reported: float
@@ -114,16 +114,17 @@ def silence(
     config: EstimatorConfig,
     explained: Callable[[Array], Mask],
 ) -> Silence:
-    """Return what it says that a look did not report an object that may be at some places.
+    """Return the effect of a missed detection on an object with weighted places.
 
     Args:
-        places: Where it may be.
-        image: The picture.
-        graph: Where the supports are.
-        tracks: Their heights, the object's type, and how often things are found.
+        places: The weighted places before the look.
+        image: The depth image of the look.
+        graph: Poses of the supports.
+        tracks: Heights of the supports, the object's type, and the detector's P(detected).
         anchor: The object.
-        config: Reads what `is_visible` reads, and `unshown`.
-        explained: Tells which readings, by where they ended, shape (n, 3), base frame, have hit something else.
+        config: Reads `unshown` and the fields that `is_visible` reads.
+        explained: Function from the ends of readings, shape (n, 3), base frame, to the mask, shape (n,), of readings
+            that have hit something else.
     """
     kind, found = tracks.kind(anchor), tracks.prior.noise.found
     left: list[Place] = []
@@ -141,13 +142,13 @@ def silence(
 
 
 def _at(graph: PoseGraph, tracks: Tracks, support: str, u: float, v: float) -> Array:
-    """Return a place on a top, shape (3,), base frame."""
+    """Return the position of a place on a top, shape (3,), metres, base frame."""
     x, y, _ = compose(graph.mean(BASE, support), (u, v, 0.0))
     return np.array([x, y, tracks.top(support)])
 
 
 def sought(places: tuple[Place, ...], graph: PoseGraph, tracks: Tracks, anchor: str, config: EstimatorConfig) -> Sought:
-    """Return where to look for an object next: where most of the weight is within the width of a look."""
+    """Return the event that moves an object to the place with the most weight within the width of a look."""
     points = np.array([_at(graph, tracks, support, u, v)[:2] for support, u, v, _ in places])
     weights = np.array([weight for *_, weight in places])
     squared = ((points[:, None] - points[None]) ** 2).sum(axis=2)

@@ -3,11 +3,11 @@
 The event log is the source of truth and the incremental smoother a cache over it. Variables:
 
     x(t)            world_T_base after the t-th drive
-    c(k)            the base frame as the k-th look had it: x(t) and the camera's error, which all its sightings share
-    o(anchor, n)    world_T_object; a new one each time the object was moved
+    c(k)            world_T_base at the k-th look plus the camera's error, which all its sightings share
+    o(anchor, n)    world_T_object after the object was moved n times
     g(k)            tool_T_object of the k-th pick
 
-A consolidation eliminates all but the last of each.
+A consolidation keeps the latest x, the g of each held object and the latest o of each other anchor.
 
 Covariances are in the tangent space of the mean, (x, y, theta) in the body's own frame.
 """
@@ -44,9 +44,9 @@ from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
 from skolem.traces.messages.poses import flat, raised
 
 BASE = "base"
-INDETERMINATE = "Indeterminate linear system"  # as GTSAM says it
-EPOCHS = 1 << 20  # epochs of one anchor
-SETTLING_UPDATES = 2  # after each event: a sighting far from the mean moves it, and its covariance follows the mean
+INDETERMINATE = "Indeterminate linear system"  # part of GTSAM's error message
+EPOCHS = 1 << 20  # greatest number of epochs of one anchor
+SETTLING_UPDATES = 2  # most extra updates after an event: a far sighting moves the mean, and the covariance follows
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class Joint:
 
     Attributes:
         names: Anchors, or "base".
-        world_T_body: Mean of each.
+        world_T_body: Mean pose of each.
         covariance: Shape (3n, 3n), tangent space of each mean, in the order of `names`.
     """
 
@@ -69,7 +69,7 @@ class Joint:
 
 
 def _to_base(turn: float) -> Matrix:
-    """Return d(place) / d(tangent of the pose) of a body turned so, shape (2, 3)."""
+    """Return d(place) / d(tangent of the pose) of a body at heading `turn` (radians), shape (2, 3)."""
     return adjoint((0.0, 0.0, turn))[:2] * (1.0, 1.0, 0.0)
 
 
@@ -78,11 +78,11 @@ def _tuple(pose: gtsam.Pose2) -> Pose2:
 
 
 class PoseGraph:
-    """Where the base and the objects are."""
+    """The joint belief on the poses of the base and the objects."""
 
     def __init__(self, config: EstimatorConfig) -> None:
         self._config = config
-        self._start, self._log = empty(), list[Event]()  # the present is `_start` and then `_log`
+        self._start, self._log = empty(), list[Event]()  # the present state is `_start` after the events of `_log`
         self._is_robust = False  # whether the smoother factorises by QR
         self._now = self._start.copied()
 
@@ -92,7 +92,7 @@ class PoseGraph:
         """Take in one event.
 
         Raises:
-            InternalError: If the event does not fit the graph; it then leaves no trace.
+            InternalError: If the event does not fit the graph; the graph is then as before.
         """
         try:
             self._take(event)
@@ -101,7 +101,7 @@ class PoseGraph:
             raise InternalError(f"event '{event.kind}' does not fit the pose graph: {error}") from error
 
     def rebuild(self, events: Iterable[Event]) -> None:
-        """Forget everything and take in `events`."""
+        """Return to the empty graph and take in `events`."""
         self._start, self._is_robust = empty(), False
         self._replay(events)
 
@@ -111,11 +111,11 @@ class PoseGraph:
             self._take(event)
 
     def _take(self, event: Event) -> None:
-        """Take in an event and remember it; from the beginning by QR, once Cholesky is not up to it."""
+        """Take in an event and log it; once Cholesky fails, take in the whole log again by QR."""
         try:
             self._apply(event)
         except RuntimeError as error:
-            begun = self._start.robot is not None  # with a past that is summed up and cannot be taken in again
+            begun = self._start.robot is not None  # the past is summed up and cannot be taken in again
             if self._is_robust or begun or INDETERMINATE not in str(error):
                 raise
             self._start, self._is_robust = empty("QR"), True
@@ -124,7 +124,7 @@ class PoseGraph:
             self._keep(event)
 
     def _keep(self, event: Event) -> None:
-        """Remember an event for a replay; what was before a consolidation is not replayed."""
+        """Log an event for a replay; a replay starts at the last consolidation."""
         if isinstance(event, Consolidated):
             self._start, self._log = self._now.copied(), []
         else:
@@ -210,14 +210,14 @@ class PoseGraph:
         self._now.grasps[event.hand] = Grasp(grasp, event.anchor, event.tool_T_object[2])
 
     def _loosen(self, anchor: str, sd_m: float, sd_rad: float) -> None:
-        """Let an object have been moved about where it was."""
+        """Add a motion of an object, with mean zero and some sds (metres, radians), to its pose."""
         before = self._key(anchor)
         after = self._next_epoch(anchor)
         factor = gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(), diagonal(sd_m, sd_rad))
         self._update([factor], {after: self._at(before)})
 
     def _place(self, event: Placed | Lost) -> None:
-        """Let an object be where a hand released it, or anywhere around where the hand was found empty."""
+        """Put an object at the pose of its release, or around the hand that was found empty."""
         grasp = self._now.grasps.pop(event.hand)
         after, base_T_tool = self._next_epoch(grasp.anchor), flat(event.base_T_tool)
         sds = (self._sd(event.sd_m), self._sd(event.sd_rad))
@@ -225,7 +225,7 @@ class PoseGraph:
         self._update([grasp_factor(self._now.base, after, grasp.key, base_T_tool, sds)], {after: start})
 
     def _seek(self, event: Sought) -> None:
-        """Let an object be anywhere around a place."""
+        """Put an object around a place, whatever its pose was."""
         self._key(event.anchor)
         after = self._next_epoch(event.anchor)
         factor = self._between(self._now.base, after, event.base_T_object, symmetric(event.covariance))
@@ -237,7 +237,7 @@ class PoseGraph:
         self._update([gtsam.BetweenFactorPose2(into, other, turn, diagonal(self._config.same_sd_m, event.sd_rad))], {})
 
     def _consolidate(self, event: Consolidated) -> None:
-        """Eliminate all variables but the present base, grasp and places of things."""
+        """Eliminate all variables but the present poses of base and objects and the present grasps."""
         now = self._now
         now.forgotten |= {anchor: self._at(self._key(anchor)) for anchor in event.forgotten}
         held = {grasp.anchor for grasp in now.grasps.values()}
@@ -254,33 +254,33 @@ class PoseGraph:
 
     @property
     def smoother(self) -> gtsam.ISAM2:
-        """The cache itself, for inspection; do not change it."""
+        """The smoother, for inspection only; do not change it."""
         return self._now.isam
 
     @property
     def forgotten(self) -> Collection[str]:
-        """Anchors that were given up and of which nothing but the last place is kept."""
+        """Anchors that were given up; only their last mean poses are kept."""
         return self._now.forgotten.keys()
 
     @property
     def robot(self) -> RobotState:
-        """What the encoders last said."""
+        """The last reading of the encoders."""
         assert self._now.robot is not None, "the first event is Began"
         return self._now.robot
 
     def tool_T_object(self, hand: Hand) -> Pose4:
-        """Return the mean grasp of a hand that holds something."""
+        """Return the mean tool_T_object of a hand that holds an object."""
         grasp = self._now.grasps[hand]
         return raised(self._at(grasp.key), grasp.z)
 
     def base_T_held(self, hand: Hand) -> Pose4:
-        """Return where a hand that holds something carries it now; theta is its x axis seen from above."""
+        """Return the present base_T_object of a held object; theta is the heading of its x axis."""
         x, y, z, theta = self.tool_T_object(hand)
         base_T_object = arm.base_T_tool(self.robot, hand) @ arm.upright(x, y, z, theta)
         return raised(arm.flattened(base_T_object), float(base_T_object[2, 3]))
 
     def joint(self, names: Iterable[str]) -> Joint:
-        """Return the joint Gaussian of world poses; an object in a hand is where the hand carries it now.
+        """Return the joint Gaussian of world poses; the pose of a held object follows the hand.
 
         Raises:
             InternalError: If there is no such anchor.
@@ -302,7 +302,7 @@ class PoseGraph:
         return Joint(names, tuple(means), (covariance + covariance.T) / 2.0)
 
     def _as_variable(self, name: str) -> tuple[Pose2, int | None, Matrix | None]:
-        """Return world_T_body, the key whose tangent adds to its own, and how the base's tangent does, (3, 3)."""
+        """Return world_T_body, the key of its own variable, if any, and its Jacobian by the base's tangent, (3, 3)."""
         if name == BASE:
             return self._at(self._now.base), None, np.eye(3)
         for hand, grasp in self._now.grasps.items():
@@ -316,27 +316,27 @@ class PoseGraph:
         return self._at(self._key(name)), self._key(name), None
 
     def relative(self, a: str, b: str) -> tuple[Pose2, Matrix]:
-        """Return mean and covariance of a_T_b, tangent space of the mean (frame b), from the joint of both."""
+        """Return mean and covariance (3, 3) of a_T_b, tangent space of the mean (frame b), from the joint of both."""
         joint = self.joint((a, b))
         a_T_b = between(*joint.world_T_body)
         jacobian = relative_jacobian(a_T_b)
         return a_T_b, jacobian @ joint.covariance @ jacobian.T
 
     def apart(self, a: str, b: str) -> tuple[Vector, Matrix]:
-        """Return mean and covariance of how far the place of `b` is from that of `a`, base frame, shapes (2,), (2, 2).
+        """Return mean (2,) and covariance (2, 2) of the vector from the place of `a` to that of `b`, base frame.
 
-        Unlike a_T_b it does not depend on how either is turned, which for what looks alike all around is not known.
+        Unlike a_T_b, the vector does not depend on the headings, which are unknown for cylinders.
         """
         joint = self.joint((BASE, a, b))
         base, *both = joint.world_T_body
         (ax, ay, turned_a), (bx, by, turned_b) = (between(base, pose) for pose in both)
         jacobian = np.zeros((2, 9))
-        jacobian[:, 2] = (by - ay, ax - bx)  # the base turns
+        jacobian[:, 2] = (by - ay, ax - bx)  # by the base's heading
         jacobian[:, 3:6], jacobian[:, 6:] = -_to_base(turned_a), _to_base(turned_b)
         return np.array([bx - ax, by - ay]), jacobian @ joint.covariance @ jacobian.T
 
     def mean(self, a: str, b: str) -> Pose2:
-        """Return the mean of a_T_b alone, which costs next to nothing."""
+        """Return the mean of a_T_b without its covariance, which is much cheaper."""
         return between(self._as_variable(a)[0], self._as_variable(b)[0])
 
     # ------------------------------------------------------------ keys and values
@@ -364,7 +364,7 @@ class PoseGraph:
         return gtsam.BetweenFactorPose2(a, b, gtsam.Pose2(*a_T_b), gtsam.noiseModel.Gaussian.Covariance(floored))
 
     def _covariance(self, keys: list[int]) -> Matrix:
-        """Return the joint covariance, blocks in the order of `keys` (all different)."""
+        """Return the joint covariance of n variables, shape (3n, 3n), in the order of `keys` (all different)."""
         if len(keys) == 1:
             return np.asarray(self._now.isam.marginalCovariance(keys[0]))
         return np.asarray(self._now.isam.jointMarginalCovariance(keys).fullMatrix())

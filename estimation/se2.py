@@ -1,7 +1,7 @@
-"""The tangent space of the plane's rigid motions, Pose2 (x, y, theta), and covariances in it.
+"""Rigid motions of the plane, Pose2 (x, y, theta), their tangent space, and covariances in it.
 
-`compose(a_T_b, b_T_c)` is `a_T_c`. Tangent vectors are (x, y, theta) in the frame of the pose they are attached to, and
-a pose with tangent v stands for `compose(pose, exp(v))`, as in GTSAM.
+`compose(a_T_b, b_T_c)` is `a_T_c`. Tangent vectors are (x, y, theta) in the frame of their pose. A pose with a tangent
+v stands for `compose(pose, exp(v))`, as in GTSAM.
 """
 
 import math
@@ -32,7 +32,7 @@ def between(w_T_a: Pose2, w_T_b: Pose2) -> Pose2:
 
 
 def exp(tangent: Vector) -> Pose2:
-    """Return the pose reached by moving along `tangent`, shape (3,), for one unit of time."""
+    """Return the pose after a motion along `tangent`, shape (3,), for one unit of time."""
     x, y, turn = (float(v) for v in tangent)
     a, b = _arc(turn)
     return (a * x - b * y, b * x + a * y, wrap_exactly(turn))
@@ -47,7 +47,7 @@ def log(pose: Pose2) -> Vector:
 
 
 def adjoint(a_T_b: Pose2) -> Matrix:
-    """Return the matrix, shape (3, 3), that takes tangents in frame b to tangents in frame a."""
+    """Return the matrix, shape (3, 3), that maps tangents in frame b to tangents in frame a."""
     x, y, theta = a_T_b
     c, s = math.cos(theta), math.sin(theta)
     return np.array([[c, -s, y], [s, c, -x], [0.0, 0.0, 1.0]])
@@ -59,7 +59,7 @@ def relative_jacobian(a_T_b: Pose2) -> Matrix:
 
 
 def turned(covariance: Matrix, angle: float) -> Matrix:
-    """Return R C R' for a covariance C over (x, y, theta), R the rotation by `angle`: the axes turn by -`angle`."""
+    """Return R C R' for a covariance C over (x, y, theta) and the rotation R by `angle`; the axes turn by -`angle`."""
     r = adjoint((0.0, 0.0, angle))
     return np.asarray(r @ covariance @ r.T)
 
@@ -71,7 +71,7 @@ def upper(covariance: Matrix) -> Upper3x3:
 
 
 def symmetric(upper_triangle: Upper3x3) -> Matrix:
-    """Return the symmetric 3x3 matrix with that upper triangle."""
+    """Return the symmetric 3x3 matrix with a given upper triangle, row by row."""
     a, b, c, d, e, f = upper_triangle
     return np.array([[a, b, c], [b, d, e], [c, e, f]])
 

@@ -1,9 +1,9 @@
-"""Things a look shows in a region that no anchor explains: the detector has overlooked them, or does not know them.
+"""Unexplained hits in a region: depth readings that ended in its air, but not on a believed object.
 
-A depth reading that ends in the air of a region has hit something. If nothing that is believed to stand there explains
-it, the region's contents are not known, however much of it has been seen; each further look in which the detector says
-nothing about it makes it less likely to be a thing that the detector would report, as far as it would have reported one
-from there. Readings that ended side by side have hit the same thing.
+Such readings have hit something that the detector has overlooked or does not know. So the contents of the region are
+not known, however much of the region has been seen. Each further look without a detection makes it less likely that the
+hit object is of a type that the detector reports. The greater P(detected) was in that look, the less likely it is.
+Readings that ended side by side have hit the same object.
 """
 
 from collections.abc import Callable
@@ -22,11 +22,11 @@ from skolem.traces.messages import HANDS, RobotState
 
 @dataclass(frozen=True, slots=True)
 class Unexplained:
-    """What was hit in a region and is not explained.
+    """The unexplained hits in a region.
 
     Attributes:
-        hits: How many readings ended in each voxel, over all looks, shape (n,).
-        thing: P(what was hit there is of a type that the detector reports), shape (n,); 0 where nothing was.
+        hits: Number of unexplained readings that ended in each voxel, over all looks, shape (n,).
+        thing: P(the hit object is of a type that the detector reports), shape (n,); 0 for a voxel without hits.
     """
 
     hits: NDArray[np.int64]
@@ -34,7 +34,7 @@ class Unexplained:
 
     @classmethod
     def nothing(cls, grid: Grid) -> "Unexplained":
-        """Return what is unexplained of a region before the first look."""
+        """Return the hits before the first look: none."""
         return cls(np.zeros(len(grid.centres), dtype=np.int64), np.zeros(len(grid.centres)))
 
     def after(
@@ -45,14 +45,14 @@ class Unexplained:
         p_reported: Callable[[Array], float],
         is_thing: float,
     ) -> "Unexplained":
-        """Return what is left after a look.
+        """Return the unexplained hits after a look.
 
         Args:
-            hits: Readings that ended in each voxel, shape (n,).
-            explained: Voxels of which the look has explained or refuted what was hit there, shape (n,).
+            hits: Number of readings of the look that ended in each voxel, shape (n,).
+            explained: Mask of the voxels whose hits the look has explained or refuted, shape (n,).
             grid: The voxels.
-            p_reported: Tells with which probability the look would have reported a thing, given its middle, shape (3,).
-            is_thing: P(what was not hit before is of a type that the detector reports), before its word.
+            p_reported: Function from the middle of an object, shape (3,), to P(the look detects the object).
+            is_thing: Prior P(a newly hit object is of a type that the detector reports).
         """
         hits = np.where(explained, 0, self.hits + hits)
         thing = np.where(self.hits > 0, self.thing, is_thing) * (hits > 0)
@@ -62,23 +62,23 @@ class Unexplained:
         return Unexplained(hits, thing)
 
     def prob_overlooked(self, grid: Grid, config: EstimatorConfig) -> float:
-        """Return P(a thing of a type that the detector reports is among it); few readings are errors at edges."""
+        """Return P(the hits are of an object that the detector reports); a few readings count as errors at edges."""
         clusters = [c for c in _clusters(self.hits, grid) if self.hits[c].sum() >= config.least_hits]
         return 1.0 - float(np.prod([1.0 - self.thing[cluster[0]] for cluster in clusters]))
 
 
 def _clusters(hits: NDArray[np.int64], grid: Grid) -> list[NDArray[np.int64]]:
-    """Return the voxels, as indices, of each cluster of those that were hit and touch by face, edge or corner."""
+    """Return the indices of the voxels in each cluster of hit voxels that touch by face, edge or corner."""
     if not hits.any():
         return []
-    from scipy import ndimage  # takes a while, and few runs hit anything that is not explained
+    from scipy import ndimage  # slow to import, and few runs have unexplained hits
 
     label, count = ndimage.label(hits.reshape(grid.shape) > 0, structure=np.ones((3, 3, 3)))
     return [np.flatnonzero(label.ravel() == index + 1) for index in range(count)]
 
 
 def near_arms(points_base: Array, robot: RobotState, radius_m: float) -> Mask:
-    """Return which points, shape (n, 3), base frame, are near an arm, a hand, or where a hand holds something."""
+    """Return the mask, shape (n,), of points, shape (n, 3), base frame, within `radius_m` of an arm or its hand."""
     near = np.zeros(len(points_base), dtype=bool)
     for hand in HANDS if len(near) else ():
         joints = arm.joints_base(robot, hand)

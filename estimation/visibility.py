@@ -1,8 +1,8 @@
-"""Whether a look would have reported an object, and whether it shows that something stands where the object should.
+"""Questions on a depth image: whether an object would be in sight, and whether its place is solid or empty.
 
-The first makes silence evidence against an object, the second says how much: where the picture shows something solid
-of which the detector said nothing, it is likelier to have overlooked a thing than where the picture shows the wall.
-And where it shows the wall behind the place of a report, the report is likelier of nothing.
+If an object would be in sight, a missed detection is evidence against the object. The evidence is weaker if the image
+shows something solid in the object's place, since the detector more likely overlooks an object there than before a
+bare wall. And if the image shows the wall behind the place of a detection, the detection is likelier false.
 """
 
 import math
@@ -18,24 +18,24 @@ from skolem.traces.messages import DepthView, ObjectType, Pose2, Pose4
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-HEIGHTS = (0.2, 0.5, 0.8)  # of sampled points, shares of the object's height
-SIDES = (-0.6, 0.0, 0.6)  # of the object's radius, across the line of sight
-ENDS = ((0.0, 1.0), (-1.0, 1.0))  # the same for the corners, which must be in the image
+HEIGHTS = (0.2, 0.5, 0.8)  # heights of the sampled points, as shares of the object's height
+SIDES = (-0.6, 0.0, 0.6)  # their distances from the axis across the line of sight, as shares of the object's radius
+ENDS = ((0.0, 1.0), (-1.0, 1.0))  # heights and sides of the corners, which must be in the image
 NODES = (-(3.0**0.5), 0.0, 3.0**0.5)  # Gauss-Hermite, exact for polynomials up to degree 5
 WEIGHTS = (1, 4, 1)  # in sixths
-MIN_KNOWN = 0.5  # share of the points whose depth must have come back
+MIN_KNOWN = 0.5  # least share of the points with a depth reading
 
 
 @dataclass(frozen=True, slots=True)
 class DepthImage:
-    """A coarse depth image as arrays: what the space between the camera and the things it saw is known to be.
+    """A coarse depth image as arrays; the space between the camera and the readings is empty.
 
     Attributes:
-        origin: Of the camera, shape (3,), metres, base frame.
+        origin: Position of the camera, shape (3,), metres, base frame.
         axes: Rotation base_R_camera, shape (3, 3); the camera looks along x, y is left, z is up.
         focal_px: Focal length, pixels.
-        depth: Distance along the camera's axis, shape (rows, columns), metres; 0 where nothing came back.
-        hits: Where the readings ended, shape (m, 3), metres, base frame.
+        depth: Distance along the camera's axis, shape (rows, columns), metres; 0 in a pixel without a reading.
+        hits: Ends of the readings, shape (m, 3), metres, base frame.
     """
 
     origin: Array
@@ -53,14 +53,14 @@ class DepthImage:
         return cls(origin, axes, focal_px, depth, _hits(depth, focal_px, axes, origin))
 
     def read(self, points_base: Array) -> tuple[Array, Array]:
-        """Return how far along the camera's axis points are, and the depth the image has in their direction.
+        """Return the distances of points along the camera's axis, and the depth readings in their directions.
 
         Args:
-            points_base: Shape (n, 3), metres, base frame.
+            points_base: Points, shape (n, 3), metres, base frame.
 
         Returns:
-            Two arrays of shape (n,), metres. The reading is that of the nearest pixel; 0 where nothing came back, NaN
-            for points outside of the image or behind the camera.
+            Two arrays of shape (n,), metres. The reading is that of the nearest pixel. It is 0 if the pixel has none,
+            and NaN for points outside of the image or behind the camera.
         """
         forward, left, up = (self.axes.T @ (points_base - self.origin).T).copy()
         rows, columns = self.depth.shape
@@ -83,7 +83,7 @@ def _hits(depth: Array, focal_px: float, axes: Array, origin: Array) -> Array:
 
 
 def _rotation(x: float, y: float, z: float, w: float) -> Array:
-    """Return the matrix of a unit quaternion xyzw."""
+    """Return the rotation matrix, shape (3, 3), of a unit quaternion xyzw."""
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -98,14 +98,14 @@ def prob_visible(
 ) -> float:
     """Return P(an object is in the image, near enough and not hidden).
 
-    Averaged over 3 x 3 places along the axes of the position's covariance.
+    It is the mean over 3 x 3 places along the axes of the position's covariance.
 
     Args:
-        image: The picture.
-        base_T_object: Mean.
-        covariance: Over (x, y, theta), object frame, shape (3, 3).
+        image: The depth image.
+        base_T_object: Mean pose of the object.
+        covariance: Its covariance over (x, y, theta), object frame, shape (3, 3).
         z: Height of its base, metres.
-        kind: Shape and size.
+        kind: Its shape and size.
         config: Reads `seen_share`, `depth_margin_m` and `sight_m`.
     """
     return _share(weight for _, weight in _in_sight(image, base_T_object, covariance, z, kind, config))
@@ -120,16 +120,19 @@ def prob_visible_and_solid(
     config: EstimatorConfig,
     explained: Callable[[Array], Mask],
 ) -> tuple[float, float]:
-    """Return P(an object would be in sight), and P(it would be, and the image shows something there of its own).
+    """Return P(an object is in sight), and P(it is in sight and the image shows something unexplained in its place).
+
+    Both are means over the places of `prob_visible`.
 
     Args:
-        image: This and all but the last argument are those of `prob_visible`, averaged over as there.
-        base_T_object: Mean.
-        covariance: Over (x, y, theta), object frame, shape (3, 3).
+        image: The depth image.
+        base_T_object: Mean pose of the object.
+        covariance: Its covariance over (x, y, theta), object frame, shape (3, 3).
         z: Height of its base, metres.
-        kind: Shape and size.
-        config: As there.
-        explained: Tells which readings, given by where they ended, shape (n, 3), base frame, have hit something else.
+        kind: Its shape and size.
+        config: Reads `seen_share`, `depth_margin_m` and `sight_m`.
+        explained: Function from the ends of readings, shape (n, 3), base frame, to the mask, shape (n,), of readings
+            that have hit something else.
     """
     places = list(_in_sight(image, base_T_object, covariance, z, kind, config))
     solid = (weight for place, weight in places if is_solid(image, place, kind, config, explained))
@@ -137,12 +140,14 @@ def prob_visible_and_solid(
 
 
 def shows_behind(image: DepthImage, base_T_object: Pose4, kind: ObjectType, config: EstimatorConfig) -> bool:
-    """Return whether the readings towards an upright object, its foot aside, go on behind its axis: it is not there.
+    """Return whether the readings towards an upright object end behind its axis, so that it is not there.
+
+    Readings towards its foot do not count.
 
     Args:
-        image: The picture.
-        base_T_object: Where the object would stand; its base.
-        kind: Shape and size.
+        image: The depth image.
+        base_T_object: Pose of the object's base.
+        kind: Its shape and size.
         config: Reads `seen_share` and `depth_margin_m`.
     """
     place, margin = np.array(base_T_object[:3]), config.depth_margin_m
@@ -153,7 +158,7 @@ def shows_behind(image: DepthImage, base_T_object: Pose4, kind: ObjectType, conf
 
 
 def outline_radius(kind: ObjectType) -> float:
-    """Return the radius of the smallest upright cylinder around an object on its axis, metres."""
+    """Return the radius, in metres, of the smallest upright cylinder around an object, with the same axis."""
     x, y, _ = kind.size_m
     return x / 2.0 if kind.shape == "cylinder" else 0.5 * float(np.hypot(x, y))
 
@@ -161,7 +166,7 @@ def outline_radius(kind: ObjectType) -> float:
 def _in_sight(
     image: DepthImage, base_T_object: Pose2, covariance: Array, z: float, kind: ObjectType, config: EstimatorConfig
 ) -> Iterator[tuple[Array, int]]:
-    """Yield the places, with their weights, at which an object would have been reported."""
+    """Yield the places, with their weights, at which an object would be in sight."""
     for place, weight in _places(base_T_object, covariance, z):
         if is_visible(image, place, kind, config):
             yield place, weight
@@ -172,7 +177,7 @@ def _share(weights: Iterable[int]) -> float:
 
 
 def _places(base_T_object: Pose2, covariance: Array, z: float) -> Iterator[tuple[Array, int]]:
-    """Yield where an object's base may be, shape (3,), base frame, and how likely, in 36ths."""
+    """Yield possible places of an object's base, shape (3,), base frame, and the weight of each, in 36ths."""
     spread, axes = np.linalg.eigh(turned(covariance, base_T_object[2])[:2, :2])
     steps = axes * np.sqrt(np.maximum(spread, 0.0))
     for i, wi in zip(NODES, WEIGHTS, strict=True):
@@ -181,7 +186,7 @@ def _places(base_T_object: Pose2, covariance: Array, z: float) -> Iterator[tuple
 
 
 def is_visible(image: DepthImage, place: Array, kind: ObjectType, config: EstimatorConfig) -> bool:
-    """Return whether an object at a place (its base, shape (3,), base frame) would have been reported."""
+    """Return whether an object would be in sight if its base were at `place`, shape (3,), metres, base frame."""
     radius = outline_radius(kind)
     corners = _outline(place, image.origin[:2], radius, kind.size_m[2], *ENDS)
     points = _outline(place, image.origin[:2], radius, kind.size_m[2])
@@ -196,7 +201,10 @@ def is_visible(image: DepthImage, place: Array, kind: ObjectType, config: Estima
 def is_solid(
     image: DepthImage, place: Array, kind: ObjectType, config: EstimatorConfig, explained: Callable[[Array], Mask]
 ) -> bool:
-    """Return whether the readings towards an object at a place, its foot aside, ended on it and on nothing else."""
+    """Return whether enough readings towards an object at `place` ended on it and have no other explanation.
+
+    Readings towards its foot do not count. The arguments are those of `is_visible` and `prob_visible_and_solid`.
+    """
     radius, margin = outline_radius(kind), config.depth_margin_m
     points = _outline(place, image.origin[:2], radius, kind.size_m[2])
     forward, depth = image.read(points[points[:, 2] >= place[2] + margin])
@@ -217,7 +225,7 @@ def _outline(
     heights: Sequence[float] = HEIGHTS,
     sides: Sequence[float] = SIDES,
 ) -> Array:
-    """Return points of an upright cylinder in the plane through its axis and across the line of sight, shape (n, 3)."""
+    """Return points, (n, 3), of an upright cylinder in the plane through its axis and across the line of sight."""
     sight = place[:2] - camera_xy
     across = np.array([-sight[1], sight[0], 0.0]) / max(float(np.hypot(*sight)), 1e-9)
     up = np.array([0.0, 0.0, height])

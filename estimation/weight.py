@@ -1,4 +1,4 @@
-"""What is believed of an object's weight, and how a wrist reads it."""
+"""The belief on an object's weight, and the wrist as its sensor."""
 
 import math
 from dataclasses import dataclass, replace
@@ -11,14 +11,14 @@ from skolem.estimation.attributes import ROUNDING
 from skolem.traces.messages import WeightInterval
 
 Array = NDArray[np.float64]
-WEIGHT_NODES = 401  # of the grid over ln(kg)
-QUANTILES, NOISE_NODES = 64, 9  # weights at which readings are tried, and readings at each
-LEAST_VARIANCE = 1e-12  # of a belief that is as good as certain
+WEIGHT_NODES = 401  # number of nodes of the grid over ln(kg)
+QUANTILES, NOISE_NODES = 64, 9  # number of weights at which readings are tried, and of readings at each weight
+LEAST_VARIANCE = 1e-12  # least variance of a belief in computations
 
 
 @dataclass(frozen=True, slots=True)
 class WeightSensor:
-    """How a weight is read: in kg, with noise of `sd_kg` per reading and a bias of sd `drift_kg` common to all."""
+    """A sensor of weight in kg, with noise of `sd_kg` per reading and a bias of sd `drift_kg` common to all of them."""
 
     sd_kg: float
     drift_kg: float
@@ -30,11 +30,11 @@ class WeightSensor:
 
 @dataclass(frozen=True, slots=True)
 class WeightBelief:
-    """A log-normal prior and the readings since, which are additive in kg; answers come from a grid over ln(kg).
+    """A log-normal prior and the mean of the readings in kg; a grid over ln(kg) joins them.
 
     Attributes:
-        mean, variance: Of ln(kg) before any reading.
-        sensor: How it is read.
+        mean, variance: Mean and variance of ln(kg) before any reading.
+        sensor: The sensor of the readings.
         kg: Mean of the readings.
         count: Number of readings.
     """
@@ -46,7 +46,7 @@ class WeightBelief:
     count: int = 0
 
     def updated(self, kg: float) -> "WeightBelief":
-        """Return the belief after a reading, which may be negative."""
+        """Return the belief after a reading in kg, which may be negative."""
         return replace(self, kg=(self.kg * self.count + kg) / (self.count + 1), count=self.count + 1)
 
     def fused(self, other: "WeightBelief") -> "WeightBelief":
@@ -64,7 +64,7 @@ class WeightBelief:
         return mean, float(p @ (u - mean) ** 2)
 
     def observation_variance(self, log_kg: float) -> float:
-        """Return the variance of one reading in ln(kg), to first order at a weight."""
+        """Return the variance of one reading in ln(kg), to first order at the weight `log_kg`."""
         return self.sensor.variance(1) / math.exp(2.0 * log_kg)
 
     def prob(self, interval: WeightInterval) -> float:
@@ -80,10 +80,10 @@ class WeightBelief:
         return min(1.0, max(0.0, float(mass[1] - mass[0])))
 
     def prob_favourable(self, interval: WeightInterval, p: float) -> float:
-        """Return P(one reading lifts the belief in the interval to at least `p` | the weight lies in it).
+        """Return P(one reading raises the belief in the interval to at least `p` | the weight lies in it).
 
-        Readings are taken at quantiles of the weights inside, Gauss-Hermite nodes of the noise around each: a grid over
-        all readings would be far coarser than the noise where the prior reaches to heavy things.
+        Readings are tried at quantiles of the weights inside, with Gauss-Hermite nodes of the noise around each. A grid
+        over all readings would be far coarser than the noise if the prior includes heavy objects.
         """
         u, mass = self._grid()
         low, high = _log_span(interval)
@@ -103,7 +103,7 @@ class WeightBelief:
         )
 
     def _next_reading(self, kg: Array) -> tuple[Array, float]:
-        """Return mean and variance of the next reading for each true weight: past ones have shown part of the bias."""
+        """Return mean, (n,), and variance of the next reading per true weight; past readings show part of the bias."""
         drift, single = self.sensor.drift_kg**2, self.sensor.sd_kg**2
         if not self.count:
             return kg, self.sensor.variance(1)
@@ -111,7 +111,7 @@ class WeightBelief:
         return kg + shown * (self.kg - kg), max(drift * (1.0 - shown) + single, 1e-8)
 
     def _grid(self) -> tuple[Array, Array]:
-        """Return ln(kg), shape (n,), and the probability of each cell; the second pass is where the mass is."""
+        """Return ln(kg), shape (n,), and the probability of each cell; further passes narrow the grid to the mass."""
         sd = math.sqrt(max(self.variance, LEAST_VARIANCE))
         u = np.linspace(self.mean - 7.0 * sd, self.mean + 7.0 * sd, WEIGHT_NODES)
         for _ in range(2):
