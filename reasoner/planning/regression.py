@@ -11,6 +11,7 @@ roots and names are given.
 
 import heapq
 import itertools
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -18,9 +19,11 @@ from typing import Protocol
 from skolem.reasoner.planning.instances import Instance, title
 from skolem.reasoner.planning.outlook import Outlook
 from skolem.reasoner.planning.patterns import Mutexes, entails
+from skolem.reasoner.planning.reach import Questions, Reach
 from skolem.reasoner.terms import CAP_MICRONATS, Term, matches
 from skolem.traces.messages import Candidate
 
+_LONG = 100  # expansions after the roots, from which on all that can be reached is found out first
 _PER_ROOT = 10  # least expansions per root, so that no root is left out if there are many
 
 Subgoal = frozenset[Term]
@@ -74,6 +77,7 @@ class Found:
         candidates: The instances offered or rejected when the roots were expanded.
         exhausted: False if the search stopped at its limit of expansions.
         priced_out: Whether any instance was left out for its cost, so that a higher limit might give a plan.
+        skipped: Whether any step was left out that achieves only fluents that hold now.
     """
 
     steps: tuple[Step, ...] | None
@@ -83,6 +87,7 @@ class Found:
     exhausted: bool = True
     bound: int = 0
     priced_out: bool = False
+    skipped: bool = False
 
     @property
     def within(self) -> float | None:
@@ -123,7 +128,7 @@ def regress(
         optimal: Whether the plan must be the cheapest of all, at the price of more expansions.
     """
     found = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=optimal, priced=not optimal)
-    if found.steps is None and found.exhausted and not optimal:
+    if found.steps is None and found.exhausted and found.skipped and not optimal:
         second = search(roots, offers, level_of, refused, max_expansions, max_cost, final, again=True)
         found = replace(second, expansions=found.expansions + second.expansions)
     return found
@@ -145,8 +150,9 @@ def search(
     Optimality. Nodes leave the queue in the order of their cost plus a heuristic (`Outlook`), roots before all others,
     so that their candidates are known. It never overestimates the remaining cost as long as the fluents of roots are
     achieved by no steps but those that are offered for them; where one is met that does so, nothing is claimed of the
-    bound. Unless `priced`, the heuristic is 0, which holds for all rules. So the first node whose
-    fluents all hold is the cheapest of the plans that were searched.
+    bound. Unless `priced`, the heuristic is 0, which holds for all rules. So the first node whose fluents all hold is
+    the cheapest of the plans that were searched. In a long search, nodes that no plan within the limit leads to are
+    left out (`Reach`), which holds for all rules too.
 
     The bound. A plan that was not searched has, seen from the goal, a first step that achieves only fluents that hold.
     If the node of that step was expanded, the step was skipped there, and the plan costs at least as much as this step
@@ -157,7 +163,7 @@ def search(
         return min(level_of(instance), instance.concrete)
 
     serial = itertools.count()
-    priced_out = surprised = False
+    priced_out = surprised = skipped = False
     left_out = max_cost + 1  # the least cost of a skipped step that achieves only fluents that hold
     queue: list[_Entry] = [(0, 0, 0, next(serial), 0, root, ()) for root in roots]
     considered: dict[str, Candidate] = {}
@@ -165,10 +171,21 @@ def search(
     expansions = 0
     missing = sorted({f for root in roots for f in root if not offers.holds(f)}, key=str)
     offers.prepare(missing)
-    outlook = Outlook(missing if priced else (), offers.offers, lambda i: not i.rejected and not refused(i, level(i)))
+
+    def usable(instance: Instance) -> bool:
+        return not instance.rejected and not refused(instance, level(instance))
+
+    outlook = Outlook(missing if priced else (), offers.offers, usable)
+    ask = Questions(offers.prepare, offers.offers, offers.holds, usable, lambda i: i.demanded(level(i)))
+    reach: Reach | None = None
     while queue:
         least, risk, length, _, cost, goal, steps = heapq.heappop(queue)
         if seen.get(goal, cost + 1) <= cost:
+            continue
+        if reach is None and expansions >= len(roots) + _LONG:
+            reach = Reach((fluent for root in roots for fluent in root), ask, again)
+        if reach is not None and cost + (ahead := reach.least(goal)) > max_cost:
+            priced_out = priced_out or ahead < math.inf
             continue
         open_fluents = [f for f in sorted(goal, key=str) if not offers.holds(f)]
         if not open_fluents:
@@ -183,12 +200,13 @@ def search(
                 continue
             total = cost + instance.price
             if repeats and not again and total >= left_out:
+                skipped = True
                 continue
             before, reason = _regressed(instance, level(instance), goal, offers.mutexes)
             if reason is None and refused(instance, level(instance)):
                 reason = "refused_in_this_belief"
             if repeats and not again:
-                left_out = total if reason is None else left_out
+                left_out, skipped = (total, True) if reason is None else (left_out, skipped)
                 continue
             if reason is None and total > max_cost:
                 reason, priced_out = "too_unlikely", True
@@ -199,13 +217,13 @@ def search(
                 )
             if reason is None and outlook.hopeless.isdisjoint(before):
                 surprised = surprised or not outlook.foresaw(instance.step, goal.difference(before))
-                ahead = max(least, total + outlook.least(before))
-                if ahead > max_cost:
+                expected = max(least, total + outlook.least(before))
+                if expected > max_cost:
                     priced_out = True
                     continue
                 step = Step(instance, level(instance), goal, before)
-                heapq.heappush(queue, (ahead, risk + cost, length + 1, next(serial), total, before, (step, *steps)))
-    return Found(None, 0, expansions, _sorted(considered), priced_out=priced_out)
+                heapq.heappush(queue, (expected, risk + cost, length + 1, next(serial), total, before, (step, *steps)))
+    return Found(None, 0, expansions, _sorted(considered), priced_out=priced_out, skipped=skipped)
 
 
 def _sorted(considered: dict[str, Candidate]) -> tuple[Candidate, ...]:
