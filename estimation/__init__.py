@@ -1,4 +1,4 @@
-"""The belief: a joint Gaussian over base and objects, and what is known of each object's type, colour and weight.
+"""The belief: a joint Gaussian over base and objects, and each object's existence, type, colour and weight.
 
 May import: nothing.
 """

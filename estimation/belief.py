@@ -1,6 +1,6 @@
-"""The robot's belief: fed by what it did and observed, read by pure questions.
+"""The robot's belief. Actions and observations update it, and pure questions read it.
 
-Changed by events alone; the same events give the same belief, to the last bit.
+Only events change the belief. The same events give the same belief, to the last bit.
 """
 
 from collections.abc import Iterable
@@ -55,7 +55,7 @@ from skolem.traces.messages import (
 )
 from skolem.traces.messages.poses import raised
 
-# Equal beliefs give equal answers, and one event leaves most objects as they were.
+# Equal beliefs have equal answers, and one event changes few objects.
 _MEMORY: Final = 4096
 _colour_prob = lru_cache(_MEMORY)(ColourBelief.prob)
 _colour_favourable = lru_cache(_MEMORY)(ColourBelief.prob_favourable)
@@ -82,24 +82,24 @@ class Gaussian:
 
 
 class Belief:
-    """Where the base and the objects are, and what the objects are like."""
+    """The joint belief on the poses of base and objects, and on the existence and properties of the objects."""
 
     def __init__(self, prior: messages.Prior, config: EstimatorConfig | None = None) -> None:
         """Begin with a prior.
 
         Raises:
-            InputError: If the prior contradicts itself, with every fault.
+            InputError: If the prior contradicts itself; it lists all faults.
         """
         check_prior(prior)
         self._begin(config or EstimatorConfig())
         self.apply(Began(prior=prior))
-        for anchor in self.anchors():  # told to be on a support, and from there maybe as far as beside it
+        for anchor in self.anchors():  # the prior may put an object beside its support
             if is_beside(self._graph, self._tracks, anchor):
                 self._seek_first(anchor)
 
     @classmethod
     def from_events(cls, events: Iterable[Event], config: EstimatorConfig | None = None) -> "Belief":
-        """Return the belief after a log of events, which starts with `Began`."""
+        """Return the belief after a log of events; its first event is `Began`."""
         belief = cls.__new__(cls)
         belief._begin(config or EstimatorConfig())
         for event in events:
@@ -117,7 +117,7 @@ class Belief:
     # ------------------------------------------------------------ change
 
     def update(self, action: messages.Action, result: messages.ActionResult, observation: messages.Observation) -> None:
-        """Take in one executed action, what the joints said about it, and what the sensors saw after it."""
+        """Take in one executed action, its result by the joints, and the observation after it."""
         grasps = {hand: (anchor, self._graph.tool_T_object(hand)) for hand in HANDS if (anchor := self.held(hand))}
         noise, top_m = self._tracks.prior.noise, self._top_under(action)
         for event in events_of(action, result, grasps, noise, self._config, top_m):
@@ -131,12 +131,12 @@ class Belief:
         self._consolidate()
 
     def _top_under(self, action: messages.Action) -> float | None:
-        """Return the believed height of the top on which a place was to put something; None for any other action."""
+        """Return the believed height, metres, of the top on which a place puts an object; None for other actions."""
         onto = action.args[1] if action.command.kind == "place" and len(action.args) > 1 else None
         return None if onto is None or self._tracks.get(onto) is None else self._tracks.top(onto)
 
     def _look(self, observation: messages.Observation) -> None:
-        """Take in a look, and what it says about which anchors are which."""
+        """Take in a look, with the splits and merges of anchors that it shows."""
         identity = Identity(self._graph, self._tracks, self._config)
         for split in tuple(identity.splits(canonical_order(observation.detections))):
             self.apply(split)
@@ -151,23 +151,27 @@ class Belief:
             self.apply(merged)
 
     def _seek_first(self, anchor: str) -> None:
-        """Believe an object of whose place little is known to be where things can be."""
+        """Give an object with an uncertain place its weighted places, if it has any."""
         if is_sought(self._graph, self._tracks, anchor, self._config):
             self._seek(anchor, believed_places(self._graph, self._tracks, anchor, self._config))
 
     def _seek(self, anchor: str, places: tuple[Place, ...]) -> None:
-        """Believe an object to be where most of the weight of its places is, if it can be at one at all."""
+        """Move an object to the place with the most weight, if it has weighted places."""
         if places:
             self.apply(sought(places, self._graph, self._tracks, anchor, self._config))
 
     def _consolidate(self) -> None:
-        """Sum up the past once it is long."""
+        """Sum up the past after `consolidate_after` drives and looks."""
         if self._unsummed >= self._config.consolidate_after:
             given_up = (anchor for anchor in self._tracks.given_up() if anchor not in self._graph.forgotten)
             self.apply(Consolidated(forgotten=tuple(given_up)))
 
     def apply(self, event: Event) -> None:
-        """Take in one event; one that does not fit raises `InternalError` and changes nothing."""
+        """Take in one event.
+
+        Raises:
+            InternalError: If the event does not fit; nothing is changed then.
+        """
         self._graph.apply(event)
         self._tracks.apply(event)
         self._regions.apply(event, self._graph, self._tracks)
@@ -178,11 +182,11 @@ class Belief:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """Everything that happened, in order."""
+        """All events so far, in order."""
         return tuple(self._events)
 
     def identity_changes(self) -> tuple[messages.IdentityChange, ...]:
-        """Return which anchors turned out to be of one object, or one to have been two, in order."""
+        """Return the merges and splits of anchors so far, in order."""
         return tuple(self._identity)
 
     # ------------------------------------------------------------ questions of the reasoner
@@ -197,7 +201,7 @@ class Belief:
         return self._tracks.listed()
 
     def prob_exists(self, anchor: str) -> float:
-        """P(there is such an object); 0 for an unknown anchor."""
+        """P(the object exists); 0 for an unknown anchor."""
         track = self._tracks.get(anchor)
         return track.exists if track else 0.0
 
@@ -206,11 +210,11 @@ class Belief:
         return _prob(self._tracks[anchor], meaning)
 
     def prob_property_of_new(self, meaning: Meaning) -> float:
-        """P(an arbitrary object that nobody has met yet has the property)."""
+        """P(an arbitrary object that is not met yet has the property)."""
         return _prob(self._tracks.stranger(), meaning)
 
     def prob_on(self, anchor: str, support: str) -> float:
-        """P(the object rests wholly on the top of `support`), given that both exist; 0 while it is held."""
+        """P(the object rests wholly on the top of `support`), given that both exist; 0 while a hand holds it."""
         track, below = self._tracks.get(anchor), self._tracks.get(support)
         if track is None or below is None or track.hand or below.hand or track.support != support:
             return 0.0
@@ -226,7 +230,10 @@ class Belief:
         return track.rests * prob_in_polygon(np.array(support_T_object[:2]), inside, free)
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
-        """P(the middles of two objects are at most so far apart, in the plane), given that both exist; 0 while held."""
+        """P(the middles of two objects are at most `distance_m` apart in the plane), given that both exist.
+
+        It is 0 while a hand holds one of them.
+        """
         if anchor == other:
             return 1.0
         pair = (self._tracks.get(anchor), self._tracks.get(other))
@@ -243,15 +250,15 @@ class Belief:
         return self._regions[region].prior.support
 
     def support(self, anchor: str) -> str | None:
-        """What the object most likely rests on; None: the floor, nothing known, or a hand."""
+        """The most likely support of the object; None for the floor, for a hand, and if nothing is known."""
         return self._tracks[anchor].support
 
     def prob_contents(self, region: str) -> float:
-        """BContents: the part of the region that has been seen, known objects taken out."""
+        """BContents: the seen share of the region, without the space of known objects."""
         return self._regions.prob_contents(region)
 
     def prob_exists_in(self, region: str, match: float) -> float:
-        """P(the unseen part of the region holds an object with a property that an arbitrary one has with p = match)."""
+        """P(the unseen part of the region holds an object of some kind); `match` is P(an arbitrary object is of it)."""
         return self._regions.prob_exists_in(region, match)
 
     def graspable(self, anchor: str) -> bool:
@@ -279,7 +286,7 @@ class Belief:
     def observation_covariance(self, quantity: Quantity, anchor: str, at: Matrix | None = None) -> Matrix:
         """Covariance of one observation of the quantity, in the space of `gaussian`, if its value is `at`, shape (n,).
 
-        None: at the mean. The error of a pose is that at the mean, and that of a reading depends on what is read.
+        None: at the mean of the belief. A pose is always observed at the mean.
         """
         track = self._tracks[anchor]
         if quantity == "pose":
@@ -294,7 +301,7 @@ class Belief:
         raise InternalError(f"'{quantity}' is not a Gaussian quantity; those are: pose, colour, weight")
 
     def prob_detected(self, anchor: str) -> float:
-        """P(a look at the object reports it | it exists and is in view); 0 for what the detector does not look for."""
+        """P(a look at the object reports it | it exists and is in view); 0 for a type that the detector ignores."""
         return self._tracks.prior.noise.found if self._tracks.is_reported(anchor) else 0.0
 
     def prob_type_right(self) -> float:
@@ -302,7 +309,7 @@ class Belief:
         return self._tracks.prior.noise.type_right
 
     def prob_favourable(self, anchor: str, meaning: Meaning, p: float) -> float:
-        """P(one observation lifts the belief in the property to at least `p` | the object has the property)."""
+        """P(one observation raises the belief in the property to at least `p` | the object has the property)."""
         track = self._tracks[anchor]
         if isinstance(meaning, TypeIs):
             return track.types.prob_favourable(meaning.type, p)
@@ -311,7 +318,7 @@ class Belief:
         return _weight_favourable(track.weight, meaning, p)
 
     def _relation(self, a: str, b: str) -> tuple[Pose2, Matrix]:
-        """Return mean and covariance of a_T_b; kept until the next event."""
+        """Return mean and covariance, (3, 3), of a_T_b; they are kept until the next event."""
         if (a, b) not in self._relative:
             self._relative[a, b] = self._graph.relative(a, b)
         return self._relative[a, b]
@@ -319,7 +326,7 @@ class Belief:
     # ------------------------------------------------------------ snapshot
 
     def snapshot(self, step: int) -> messages.Belief:
-        """Return the whole belief as a message: the anchors that are listed, and their joint covariance."""
+        """Return the whole belief as a message, with the listed anchors and their joint covariance."""
         anchors = self.anchors()
         joint = self._graph.joint((BASE, *anchors))
         x, y, theta = joint.world_T_body[0]
@@ -364,7 +371,7 @@ class Belief:
 
 
 def _identity(event: Event, version: int) -> tuple[messages.IdentityChange, ...]:
-    """Return what an event says about which anchors are which."""
+    """Return the change of identity that an event makes, if any."""
     if isinstance(event, Merged):
         return (messages.IdentityChange(version=version, kind="merged", anchor=event.anchor, other=event.other),)
     if isinstance(event, Split):

@@ -1,7 +1,7 @@
-"""What is believed of an object's colour, and how a camera observes it.
+"""The belief on an object's colour, and the camera as its sensor.
 
-Words speak of hue, saturation and value; noise acts on red, green and blue. What has been read is therefore kept as it
-was read, channel by channel, beside the prior: a posterior in HSV would have to take its noise from a noisy reading.
+Words are about hue, saturation and value, but noise acts on red, green and blue. So the belief keeps the prior in HSV
+and the readings in RGB, channel by channel. A posterior in HSV would have to take its noise from a noisy reading.
 """
 
 import colorsys
@@ -18,33 +18,33 @@ from skolem.estimation.colour_grid import COARSE, FINE, LEAST_VARIANCE, ColourGr
 from skolem.traces.messages import ColourMeaning, HsvBelief, HsvVolume
 
 Array = NDArray[np.float64]
-UNIFORM_SD = 12**-0.5  # of a hue of which nothing is known
-LOOKS = 32  # tried to find out what one more may show
-LEAST_SD = 1e-4  # of a channel; a sensor without noise
-# A channel read as 0 was at most 0: the likelihood of its mean m is Phi(-m / sd), to second order at m = 0 that
-# of a reading at -sqrt(pi / 2) sds with 2 / pi of the precision. The same holds at 1.
+UNIFORM_SD = 12**-0.5  # sd of an unknown hue
+LOOKS = 32  # number of tried readings of one more look
+LEAST_SD = 1e-4  # least sd of a channel, for a sensor without noise
+# A channel that reads 0 was at most 0. The likelihood of its mean m is Phi(-m / sd). To second order at m = 0, this is
+# the likelihood of a reading at -sqrt(pi / 2) sds with 2 / pi of the precision. The same holds at 1.
 CLIPPED_SDS, CLIPPED_PRECISION = math.sqrt(math.pi / 2.0), 2.0 / math.pi
 SEQUENCE = tuple(1.1673039782614187**-k for k in range(1, 7))  # additive recurrence in 6 dimensions: x^7 = x + 1
-GRIDS = 256  # kept
+GRIDS = 256  # number of grids kept
 AXES = ("hue", "saturation", "value")
 NOTHING: Triple = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class ColourSensor:
-    """How a mean colour is observed: the true RGB times `gain`, plus noise of `sd_rgb` per channel."""
+    """A sensor of mean colours: it reads the true RGB times `gain`, plus noise of `sd_rgb` per channel."""
 
     gain: float
     sd_rgb: float
 
     def hsv(self, rgb: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Return the HSV of the surface that was seen as `rgb`."""
+        """Return the HSV of a surface from its reading `rgb`."""
         red, green, blue = (min(1.0, max(0.0, channel / self.gain)) for channel in rgb)
         return colorsys.rgb_to_hsv(red, green, blue)
 
     @property
     def sd(self) -> float:
-        """Sd of a channel as it is read."""
+        """Sd of one channel of a reading."""
         return max(self.sd_rgb, LEAST_SD * self.gain)
 
     def variance(self, saturation: float, value: float) -> tuple[float, float, float]:
@@ -61,13 +61,13 @@ class ColourSensor:
 
 @dataclass(frozen=True, slots=True)
 class ColourBelief:
-    """A prior over hue (wrapped at 1), saturation and value (truncated to 0..1), and what has been read since.
+    """A prior over hue (wrapped at 1), saturation and value (truncated to 0..1), and the mean of the readings.
 
     Attributes:
-        mean, variance: Of the prior, before wrapping or truncation.
-        sensor: How it is observed.
-        rgb: Mean of the readings, channel by channel, as the camera saw it.
-        precision: Of that mean; 0: nothing was read.
+        mean, variance: Mean and variance of the prior, before wrapping or truncation.
+        sensor: The sensor of the readings.
+        rgb: Mean of the readings, channel by channel.
+        precision: Precision of that mean, channel by channel; 0 before the first reading.
     """
 
     mean: Triple
@@ -78,17 +78,17 @@ class ColourBelief:
 
     @classmethod
     def of(cls, prior: HsvBelief, sensor: ColourSensor) -> "ColourBelief":
-        """Return the belief of a message; means are brought into the range they can have."""
+        """Return the belief that a message states; the means are brought into their ranges."""
         hue, saturation, value = prior.mean
         return cls((hue % 1.0, _clip(saturation), _clip(value)), prior.variance, sensor)
 
     @property
     def seen(self) -> bool:
-        """Whether it has been observed."""
+        """Whether the colour has been observed."""
         return self.precision != NOTHING
 
     def updated(self, rgb: Triple) -> "ColourBelief":
-        """Return the belief after a mean colour was observed; what lies beyond 0..1 is read as the end of it."""
+        """Return the belief after the reading of a mean colour; a channel beyond 0..1 reads as the nearer end."""
         sd = self.sensor.sd
         at = tuple(-CLIPPED_SDS * sd if c <= 0.0 else 1.0 + CLIPPED_SDS * sd if c >= 1.0 else c for c in rgb)
         precision = tuple((1.0 if 0.0 < c < 1.0 else CLIPPED_PRECISION) / sd**2 for c in rgb)
@@ -103,7 +103,7 @@ class ColourBelief:
         return replace(self, rgb=_triple(mean), precision=_triple(total))
 
     def fused(self, other: "ColourBelief", prior: "ColourBelief") -> "ColourBelief":
-        """Return the belief of one who knows what both do; `prior` is what is known of any object, and so of both."""
+        """Return the belief that joins the observations of both; `prior` is the belief that both began with."""
         pooled = [
             _pooled(m, v, m2, v2, m0, v0, axis == 0)
             for axis, (m, v, m2, v2, m0, v0) in enumerate(
@@ -130,7 +130,7 @@ class ColourBelief:
         return hue * saturation * _level_mass(self.mean[2], v, volume.value)
 
     def prob_favourable(self, meaning: ColourMeaning, p: float) -> float:
-        """Return P(one look lifts the belief in the meaning to at least `p` | it is true of the colour)."""
+        """Return P(one look raises the belief in the meaning to at least `p` | it is true of the colour)."""
         lifted = _lifted(self, meaning)
         return sum(after >= p - ROUNDING for after in lifted) / len(lifted) if lifted else 0.0
 
@@ -143,7 +143,7 @@ def _grid(belief: ColourBelief, cells: tuple[int, int] = FINE) -> ColourGrid:
 
 
 def _first(belief: ColourBelief) -> tuple[Triple, Triple] | None:
-    """Return HSV and its sds as the readings alone have it, generously, to say where to look for mass."""
+    """Return the HSV of the readings alone and generous sds, which bound the first grid; None without a reading."""
     if not belief.seen:
         return None
     hsv = belief.sensor.hsv(belief.rgb)
@@ -157,9 +157,9 @@ def _first(belief: ColourBelief) -> tuple[Triple, Triple] | None:
 
 @lru_cache(GRIDS)
 def _lifted(belief: ColourBelief, meaning: ColourMeaning) -> tuple[float, ...]:
-    """Return the belief in a meaning after each of some equally likely looks at colours that have it.
+    """Return the belief in a meaning after each of some equally likely looks at colours within the meaning.
 
-    Colours are spread evenly over what is believed of the boxes, and errors over what the sensor makes.
+    The colours are spread evenly over the belief within the boxes, and the errors over the noise of the sensor.
     """
     grid, boxes = _grid(belief), meaning.boxes
     joint = np.cumsum([grid.joint(box.hue, box.saturation, box.value) for box in boxes])
@@ -184,12 +184,12 @@ def _lifted(belief: ColourBelief, meaning: ColourMeaning) -> tuple[float, ...]:
 
 
 def _between(borders: Array, cells: NDArray[np.intp], share: Array) -> Array:
-    """Return the points at a share of the way through cells, shape (n,)."""
+    """Return the points at given shares of the widths of cells, shape (n,)."""
     return np.asarray(borders[cells] + share * (borders[cells + 1] - borders[cells]))
 
 
 def _within(hues: Array, spans: Array) -> Array:
-    """Return hues brought into their spans, of shape (n, 2); a span wraps if its first is the larger."""
+    """Return hues, (n,), brought into their spans, (n, 2); a span wraps if its first hue is the larger."""
     low = spans[:, 0]
     width = np.where(spans[:, 1] >= low, spans[:, 1] - low, spans[:, 1] - low + 1.0)
     off = (hues - low) % 1.0
@@ -205,7 +205,7 @@ def _triple(values: "tuple[float, ...] | list[float]") -> Triple:
 def _pooled(
     mean: float, variance: float, mean2: float, variance2: float, mean0: float, variance0: float, wraps: bool
 ) -> tuple[float, float]:
-    """Return mean and variance of an axis from a belief and from what a second one says beyond the prior of both."""
+    """Return mean and variance of an axis from a belief and the observations of a second one with the same prior."""
     learnt = max(1.0 / max(variance2, LEAST_VARIANCE) - 1.0 / max(variance0, LEAST_VARIANCE), 0.0)
     if learnt == 0.0:
         return mean, variance

@@ -1,8 +1,8 @@
 """The density of a colour over hue, saturation and value, given a prior in HSV and readings in RGB.
 
-At a hue and a saturation the RGB of a surface is proportional to its value, so that a Gaussian over RGB is one over the
-value too: a grid is needed over hue and saturation alone, and the value is integrated in closed form. The grid covers
-where the mass is: a few hundredths of the circle for a bright red, all of it for a grey.
+At a fixed hue and saturation, the RGB of a surface is proportional to its value. So a Gaussian over RGB is also one
+over the value. The grid is over hue and saturation only, and the value is integrated in closed form. The grid covers
+the mass: a few hundredths of the circle for a bright red, the whole circle for a grey.
 """
 
 import math
@@ -14,22 +14,22 @@ from scipy.special import ndtr
 
 Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
-FINE, COARSE = (48, 32), (24, 16)  # cells of the grid: hues, saturations
-ZOOMS = 4  # most narrowings of the grid to where the mass is
-NEGLIGIBLE = 18.0  # nats below the densest cell: 6 sds
+FINE, COARSE = (48, 32), (24, 16)  # number of cells of the grid: hues, saturations
+ZOOMS = 4  # greatest number of times that the grid is narrowed to the mass
+NEGLIGIBLE = 18.0  # nats between the densest cell and a negligible one: 6 sds
 FAR_SDS = 8.0  # half width of the first grid
-SHRUNK = 0.7  # a grid that narrows by less than this is narrow enough
-LEAST_VARIANCE = 1e-12  # of a belief that is as good as certain
+SHRUNK = 0.7  # a grid that would keep a greater share of its width is narrow enough
+LEAST_VARIANCE = 1e-12  # least variance of a belief in computations
 LEAST_MASS = 1e-300
 
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """What has been read of an RGB, channel by channel: mean, and precision of the mean.
+    """The readings of an RGB, channel by channel.
 
     Attributes:
-        mean: Shape (3,), as the camera saw it.
-        precision: Shape (3,); 0 of a channel that was never read.
+        mean: Mean of the readings, shape (3,).
+        precision: Precision of the mean, shape (3,); 0 for a channel without a reading.
     """
 
     mean: Array
@@ -42,9 +42,9 @@ class ColourGrid:
 
     Attributes:
         hues: Borders of the cells, shape (n + 1,), ascending over at most one turn.
-        saturations: The same, shape (m + 1,), within 0..1.
-        weight: Density times the whole Gaussian's mass, up to a factor, shape (n, m).
-        value, sd: Of the Gaussian over the value before truncation, shape (n, m).
+        saturations: Borders of the cells, shape (m + 1,), ascending within 0..1.
+        weight: Density times the mass of the untruncated Gaussian, up to a factor, shape (n, m).
+        value, sd: Mean and sd of the Gaussian over the value before truncation, shape (n, m).
     """
 
     hues: Array
@@ -54,13 +54,13 @@ class ColourGrid:
     sd: Array
 
     def mass(self, hue: tuple[float, float], saturation: tuple[float, float], value: tuple[float, float]) -> float:
-        """Return the probability of a box in HSV; hue wraps if its first is the larger."""
+        """Return the probability of a box in HSV; the interval of hue wraps if its first end is the larger."""
         joint = self.joint(hue, saturation, value)
         whole = self.weight * self.between(0.0, 1.0)
         return min(1.0, float(joint.sum()) / max(float(whole.sum()), LEAST_MASS))
 
     def joint(self, hue: tuple[float, float], saturation: tuple[float, float], value: tuple[float, float]) -> Array:
-        """Return how much of each cell lies in a box, in units of `weight`, shape (n, m)."""
+        """Return the mass of each cell within a box, in units of `weight`, shape (n, m)."""
         low, high = hue
         high = high if high >= low else high + 1.0
         width = np.diff(self.hues)
@@ -107,12 +107,12 @@ def colour_grid(
     """Return the density of a colour.
 
     Args:
-        mean: Of the prior: independent Gaussians over hue (wrapped), saturation and value (truncated to 0..1).
-        variance: Of the prior.
-        gain: What is seen is this times the true RGB.
-        readings: What has been seen.
-        first: HSV and its sds as the readings alone have it, to say where to look; None if there are none.
-        cells: How many hues and saturations.
+        mean: Mean of the prior: independent Gaussians over hue (wrapped), saturation and value (truncated to 0..1).
+        variance: Variance of the prior.
+        gain: Factor from the true RGB to the reading.
+        readings: The readings.
+        first: HSV of the readings alone and its sds, which bound the first grid; None if there are no readings.
+        cells: Number of hues and of saturations.
     """
     sds = [math.sqrt(max(v, LEAST_VARIANCE)) for v in variance]
     windows = []
@@ -150,8 +150,8 @@ def _cells(
     hue_borders = np.linspace(*hues, cells[0] + 1)
     saturation_borders = np.linspace(*saturations, cells[1] + 1)
     h, s = _middles(hue_borders), _middles(saturation_borders)
-    least = 1.0 - pure_rgb(h)  # of each channel, at full saturation, how much is missing: shape (3, n)
-    seen = gain * (1.0 - s[None, None, :] * least[:, :, None])  # at value 1, shape (3, n, m)
+    least = 1.0 - pure_rgb(h)  # 1 less each channel at full saturation and value, shape (3, n)
+    seen = gain * (1.0 - s[None, None, :] * least[:, :, None])  # reading at value 1, shape (3, n, m)
     weighted = readings.precision[:, None, None] * seen
     precision = (weighted * seen).sum(axis=0) + sds[2] ** -2
     pull = np.tensordot(readings.mean, weighted, axes=1) + mean[2] * sds[2] ** -2
@@ -166,8 +166,8 @@ def _cells(
 
 
 def pure_rgb(hues: Array) -> Array:
-    """Return RGB at full saturation and value of hues, shape (n,), as shape (3, n)."""
-    away = np.abs((hues[None, :] * 6.0 - np.array([0.0, 2.0, 4.0])[:, None] + 3.0) % 6.0 - 3.0)  # of each channel
+    """Return the RGB, shape (3, n), of hues, shape (n,), at full saturation and value."""
+    away = np.abs((hues[None, :] * 6.0 - np.array([0.0, 2.0, 4.0])[:, None] + 3.0) % 6.0 - 3.0)  # for each channel
     return np.asarray(np.clip(2.0 - away, 0.0, 1.0))
 
 
@@ -181,18 +181,18 @@ def _log_wrapped(hues: Array, mean: float, sd: float) -> Array:
 
 
 def _met(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
-    """Return where two intervals meet, or what spans both if they do not."""
+    """Return the intersection of two intervals, or the least interval over both if it is empty."""
     low, high = max(a[0], b[0]), min(a[1], b[1])
     return (low, high) if low < high else (min(a[0], b[0]), max(a[1], b[1]))
 
 
 def _whole_turn(low: float, high: float) -> tuple[float, float]:
-    """Return an interval of hues, one turn if it is longer."""
+    """Return an interval of hues, cut to one turn about its middle if it is longer."""
     return (low, high) if high - low < 1.0 else ((low + high) / 2.0 - 0.5, (low + high) / 2.0 + 0.5)
 
 
 def _kept(borders: Array, kept: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the interval of the cells that are kept and one more at each side."""
+    """Return the interval of the kept cells and one more cell at each side."""
     index = np.flatnonzero(kept)
     return float(borders[max(index[0] - 1, 0)]), float(borders[min(index[-1] + 2, len(borders) - 1)])
 
@@ -202,5 +202,5 @@ def _middles(borders: Array) -> Array:
 
 
 def _overlap(borders: Array, low: float, high: float) -> Array:
-    """Return how much of each cell lies in an interval, shape (n,)."""
+    """Return the length of each cell within an interval, shape (n,)."""
     return np.asarray(np.maximum(np.minimum(borders[1:], high) - np.maximum(borders[:-1], low), 0.0))

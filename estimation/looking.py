@@ -23,7 +23,7 @@ from skolem.estimation.events import Looked, Missed, Place, Sighting, canonical_
 from skolem.estimation.extrinsics import camera_covariance, own_covariance, sighting_z_sd
 from skolem.estimation.fluents import prob_in_polygon, rectangle
 from skolem.estimation.identity import overlap
-from skolem.estimation.places import believed_places, is_sought, silence
+from skolem.estimation.places import believed_places, is_sought, missed_at_places
 from skolem.estimation.pose_graph import BASE, PoseGraph
 from skolem.estimation.regions import Regions
 from skolem.estimation.se2 import Matrix, between, symmetric, turned, upper
@@ -293,7 +293,7 @@ class Look:
         self, anchor: str, places: tuple[Place, ...], sightings: tuple[Sighting, ...], image: DepthImage
     ) -> Missed:
         """Return the missed detection of an object with weighted places, and keep its places after the look."""
-        said = silence(
+        said = missed_at_places(
             places,
             image,
             self._graph,

@@ -91,7 +91,7 @@ def normalised(places: list[Place], least: float = 1e-5) -> tuple[Place, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class Silence:
+class MissedAtPlaces:
     """The effect of a missed detection on an object with weighted places.
 
     Attributes:
@@ -105,7 +105,7 @@ class Silence:
     places: tuple[Place, ...]
 
 
-def silence(
+def missed_at_places(
     places: tuple[Place, ...],
     image: DepthImage,
     graph: PoseGraph,
@@ -113,7 +113,7 @@ def silence(
     anchor: str,
     config: EstimatorConfig,
     explained: Callable[[Array], Mask],
-) -> Silence:
+) -> MissedAtPlaces:
     """Return the effect of a missed detection on an object with weighted places.
 
     Args:
@@ -138,7 +138,7 @@ def silence(
             solid += weight * shows
             silent = (1.0 - found) * (1.0 if shows else config.unshown)
         left.append((support, u, v, weight * silent))
-    return Silence(min(1.0, reported), min(1.0, solid), normalised(left) or places)
+    return MissedAtPlaces(min(1.0, reported), min(1.0, solid), normalised(left) or places)
 
 
 def _at(graph: PoseGraph, tracks: Tracks, support: str, u: float, v: float) -> Array:

@@ -1,4 +1,4 @@
-"""What is believed of each anchor beside its planar pose: existence, type, colour, weight, height, support, hand."""
+"""The belief on each anchor without its planar pose: existence, type, colour, weight, height, support and hand."""
 
 import math
 import re
@@ -30,26 +30,26 @@ from skolem.traces.errors import InternalError
 from skolem.traces.messages import GRAVITY, Detection, Hand, HsvBelief, ObjectType, Prior, PriorObject
 from skolem.traces.messages.likeliest import likeliest
 
-# Tables do not share the prior of things: nothing is known of their hue, and little of the rest.
+# The prior of colours is that of graspable objects. Other types have an unknown hue, and nearly unknown other axes.
 ANY_COLOUR = HsvBelief(mean=(0.5, 0.5, 0.5), variance=(1.0, 1.0, 1.0))
-INTRODUCED = re.compile(r"_o(\d+)_")  # names that the robot gives, or could have given
+INTRODUCED = re.compile(r"_o(\d+)_")  # form of the names that the robot gives to new anchors
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """The belief on one anchor.
+    """The belief on one anchor, without its planar pose.
 
     Attributes:
-        exists: Probability.
-        types, colour, weight: Of the object, if it exists.
-        z: Height of its base, metres; meaningless while held.
-        z_variance: Square metres.
-        support: What it rests on; None: the floor, unknown, or held.
-        hand: Which hand holds it.
-        places: Where it may stand while little is known of that, each with its weight; nothing: as the Gaussian says.
-        rests: P(it stands on a support that is known, and not on the floor or elsewhere | it exists).
-        otherwise: P(something else stands where it should | it does not exist).
-        met: How often it was seen or picked.
+        exists: P(the object exists).
+        types, colour, weight: Beliefs on the object's properties, given that it exists.
+        z: Height of its base, metres; without meaning while a hand holds it.
+        z_variance: Variance of `z`, square metres.
+        support: Its support; None for the floor, for a hand, and if nothing is known.
+        hand: The hand that holds it.
+        places: Weighted places, while its place is uncertain; otherwise none, and the pose graph has its place.
+        rests: P(it stands on a known support, and not on the floor or elsewhere | it exists).
+        otherwise: P(something else stands in its place | it does not exist).
+        met: Number of its detections and picks.
     """
 
     exists: float
@@ -67,7 +67,7 @@ class Track:
 
 
 class Tracks:
-    """The tracks of all anchors ever introduced, in that order; names are never reused."""
+    """The tracks of all anchors so far, in order of introduction; names are never reused."""
 
     def __init__(self, config: EstimatorConfig) -> None:
         self._config = config
@@ -76,7 +76,7 @@ class Tracks:
 
     @property
     def prior(self) -> Prior:
-        """The belief the robot began with."""
+        """The prior of the robot."""
         assert self._prior is not None, "the first event is Began"
         return self._prior
 
@@ -94,24 +94,24 @@ class Tracks:
         return self.prior.types[self[anchor].types.most_likely()]
 
     def seen_as(self, detection: Detection) -> ObjectType:
-        """Return the type that a detection looks most like."""
+        """Return the likeliest type of a detection."""
         return self.prior.types[likeliest(detection.type_log_likelihood)]
 
     def top(self, support: str) -> float:
-        """Return the height of the upper face of an anchor, metres."""
+        """Return the height, in metres, of the top of a support."""
         return self[support].z + self.kind(support).size_m[2]
 
     def rests_at(self, z: float, variance: float, support: str) -> bool:
-        """Return whether something whose base is at height `z` (m, with variance in m^2) can rest on `support`."""
+        """Return whether an object can rest on `support` if its base is at height `z` (metres; variance in m^2)."""
         return abs(z - self.top(support)) <= self._config.height_tolerance_m + 2.0 * math.sqrt(variance)
 
     def listed(self) -> tuple[str, ...]:
-        """Return the anchors that are worth a thought: all but those that hardly exist; what is in a hand is."""
+        """Return the listed anchors: held ones, and all whose P(exists) is not below `listed`."""
         least = self._config.listed
         return tuple(name for name, track in self._tracks.items() if track.exists >= least or track.hand)
 
     def likely(self) -> tuple[str, ...]:
-        """Return the anchors that are believed to exist: more likely real than not."""
+        """Return the anchors that are likely to exist."""
         return tuple(name for name, track in self._tracks.items() if track.exists >= self._config.likely)
 
     def possible(self) -> tuple[str, ...]:
@@ -123,20 +123,20 @@ class Tracks:
         return tuple(name for name, track in self._tracks.items() if track.exists < self._config.retired)
 
     def detectable(self) -> tuple[str, ...]:
-        """Return the anchors that a detection may be of: not given up, not held, of a type that is reported."""
+        """Return the anchors that a detection may be of: not given up, not held, and reported by the detector."""
         loose = [name for name in self.possible() if self._tracks[name].hand is None]
         return tuple(name for name in loose if self.is_reported(name))
 
     def is_reported(self, anchor: str) -> bool:
-        """Return whether the detector looks for what an anchor most likely is: things to grasp, and tables."""
+        """Return whether the detector reports the most likely type of an anchor: a graspable one, or a table."""
         return self.kind(anchor).graspable or self.kind(anchor).shape == "table"
 
     def held(self, hand: Hand) -> str | None:
-        """Return the anchor in a hand."""
+        """Return the anchor in a hand, or None."""
         return next((name for name, track in self._tracks.items() if track.hand == hand), None)
 
     def new_names(self, count: int) -> tuple[str, ...]:
-        """Return names for anchors to be introduced: above every number in use, a told one's included."""
+        """Return names for new anchors; their numbers are above all in use, those of the prior included."""
         used = (INTRODUCED.fullmatch(name) for name in self._tracks)
         first = 1 + max((int(found[1]) for found in used if found), default=0)
         return tuple(f"_o{first + i}_" for i in range(count))
@@ -148,7 +148,7 @@ class Tracks:
         match event:
             case Began():
                 self._prior = event.prior
-                self._tracks = {item.anchor: self._told(item) for item in event.prior.objects}
+                self._tracks = {item.anchor: self._of_prior(item) for item in event.prior.objects}
             case Looked():
                 self._look(event)
             case Picked():
@@ -176,12 +176,12 @@ class Tracks:
                 self._tracks[event.anchor] = self._split(event.anchor)
 
     def _split(self, anchor: str) -> Track:
-        """Return the track of an anchor of which nothing is known any more but that it exists, and at which height."""
+        """Return a track that keeps only existence, height and support; the rest is as before the first detection."""
         track, fresh = self[anchor], self._unseen(anchor)
         return replace(fresh, exists=track.exists, z=track.z, z_variance=track.z_variance, support=track.support)
 
     def _merge(self, event: Merged) -> None:
-        """Give the first anchor what is known of the other, beyond what is of any, and give the other up."""
+        """Add to the first anchor the observations of the other, and give the other up."""
         track, other = self[event.anchor], self[event.other]
         stranger = self.arbitrary(self.kind(event.anchor))
         gain = track.z_variance / (track.z_variance + other.z_variance)
@@ -201,9 +201,9 @@ class Tracks:
         self._tracks[event.anchor] = self._evidence(event.anchor, max(odds, 1.0))
 
     def _unseen(self, anchor: str) -> Track:
-        """Return what was believed of an anchor before it was first seen."""
-        told = next((item for item in self.prior.objects if item.anchor == anchor), None)
-        return self._told(told) if told else self.stranger()
+        """Return the belief on an anchor before its first detection."""
+        item = next((item for item in self.prior.objects if item.anchor == anchor), None)
+        return self._of_prior(item) if item else self.stranger()
 
     def _look(self, event: Looked) -> None:
         for sighting in event.sightings:
@@ -213,15 +213,14 @@ class Tracks:
             self._tracks[miss.anchor] = self._missed(miss)
 
     def is_gone(self, miss: Missed) -> bool:
-        """Return whether an object that was certainly met before is no longer believed to exist after silence."""
+        """Return whether a missed detection unlists an anchor whose object was certainly met before."""
         track, least = self[miss.anchor], self._config.listed
         return track.met >= self._config.met and track.exists >= least > self._missed(miss).exists
 
     def _missed(self, miss: Missed) -> Track:
-        """Return the track of an anchor after silence, and after what the picture shows in its place.
+        """Return the track of an anchor after a missed detection, given the solid that the picture shows in its place.
 
-        Something solid there is the object or something else; what was seen already since the object was last reported
-        says nothing new.
+        The solid is the object or something else. It is evidence only once after each detection of the object.
         """
         track = self[miss.anchor]
         without = 1.0 - miss.solid * (1.0 - track.otherwise)
@@ -231,7 +230,7 @@ class Tracks:
         surest = self._config.most_sure
         return replace(track, exists=min(exists, surest), otherwise=track.otherwise / without, rests=max(rests, 0.0))
 
-    def _told(self, item: PriorObject) -> Track:
+    def _of_prior(self, item: PriorObject) -> Track:
         arbitrary = self.arbitrary(self.prior.types[likeliest(item.type)])
         weight = arbitrary.weight
         return self._track(
@@ -244,7 +243,7 @@ class Tracks:
         )
 
     def stranger(self) -> Track:
-        """Return the belief on an arbitrary object that nobody has met yet; where it is means nothing."""
+        """Return the belief on an arbitrary object that is not met yet; its height has no meaning."""
         return self._track(
             exists=0.5,
             types=self.prior.type or dict.fromkeys(self._reported(), 1.0),
@@ -255,7 +254,7 @@ class Tracks:
         )
 
     def arbitrary(self, kind: ObjectType) -> Track:
-        """Return the belief on an object of which nothing is known but whether it is one that can be lifted."""
+        """Return the belief on an arbitrary object of a type, given only whether that type can be grasped."""
         stranger = self.stranger()
         if kind.graspable:
             return stranger
@@ -263,9 +262,9 @@ class Tracks:
         return replace(stranger, colour=ColourBelief.of(ANY_COLOUR, self._colour_sensor()), weight=weight)
 
     def _new(self, sighting: Sighting) -> Track:
-        """Return the track of an object first seen: real or a false detection, otherwise as any object may be.
+        """Return the track of a new anchor: an arbitrary object, or a false detection.
 
-        What was seen as a table is of one of the types of tables; an arbitrary object is none.
+        A detected table is of one of the types of tables, but an arbitrary object is of none of them.
         """
         support, seen_as = sighting.support, sighting.detection.type_log_likelihood
         stranger = self.arbitrary(self.seen_as(sighting.detection))
@@ -301,7 +300,7 @@ class Tracks:
         return Track(exists, belief, colour, weight, z, z_variance, support, otherwise)
 
     def _reported(self) -> tuple[str, ...]:
-        """Return the types that the detector looks for."""
+        """Return the graspable types, which the detector may confuse, sorted."""
         return tuple(sorted(name for name, kind in self.prior.types.items() if kind.graspable))
 
     def _colour_sensor(self) -> ColourSensor:
@@ -335,15 +334,15 @@ class Tracks:
         )
 
     def _evidence(self, anchor: str, odds: float) -> Track:
-        """Return the track after something `odds` times likelier if the object exists.
+        """Return the track after an observation that is `odds` times likelier if the object exists.
 
-        It never is surer than `most_sure`: what that adds to the doubt is that someone takes the object from now on.
-        What a picture showed in its place was the object then, and tells nothing of what would stand there instead.
+        P(exists) never exceeds `most_sure`; the added doubt is that someone takes the object from now on. In that case,
+        the solid of earlier pictures was the object, and says nothing about what would stand there instead.
         """
         track, surest = self[anchor], self._config.most_sure
         exists = after_evidence(track.exists, min(odds, math.exp(MAX_LOG_ODDS)))
         if exists <= surest:
             return replace(track, exists=exists)
-        before = (1.0 - exists) / (1.0 - surest)  # share of the doubt that is older
+        before = (1.0 - exists) / (1.0 - surest)  # share of the older doubt
         otherwise = before * track.otherwise + (1.0 - before) * self._config.other_solid
         return replace(track, exists=surest, otherwise=otherwise)
