@@ -203,11 +203,8 @@ class Agent:
         def false_in(fluents: Subgoal) -> list[Term]:
             return [f for f in fluents if not self.posed.situation.holds(f)]
 
-        met: set[str] = set()
-        while changes := self._stack.select(self.posed.satisfied, false_in, self._refused_for(met)):
+        while changes := self._stack.select(self.posed.satisfied, false_in, self._refused_for(set())):
             turn.plans.extend(self._stack.message(step, change) for change in changes)
-            for useless in (each for change in changes for each in change.useless):
-                self._refused.note(useless.instance, useless.level, weakest(met))
 
     def _plan(
         self, turn: Turn, step: int, roots: tuple[Subgoal, ...], cause: PlanCause, final: Term | None = None
@@ -302,7 +299,7 @@ class Agent:
         """Note whether the last action achieved the results that its step promised."""
         if self._executed is not None:
             before = self._attempts.fruitless_here()
-            achieved = self.posed.satisfied(self._executed.subgoal) is not None
+            achieved = next(self.posed.satisfied(self._executed.subgoal), None) is not None
             self._attempts.judge(self._executed.instance, achieved)
             self._executed = None
             if self._attempts.fruitless_here() != before:

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from skolem.reasoner.language.expressions import Goal
@@ -85,16 +85,13 @@ class PosedGoal:
         """Return whether all fluents hold; geometric fluents are tested last, since they cost most."""
         return all(map(self.situation.holds, sorted(fluents, key=lambda f: (_is_geometric(f), str(f)))))
 
-    def satisfied(self, fluents: Subgoal) -> Binding | None:
-        """Return a binding of Skolem constants to anchors under which all fluents hold; None if there is none."""
+    def satisfied(self, fluents: Subgoal) -> Iterator[Binding]:
+        """Yield the bindings of Skolem constants to anchors under which all fluents hold; {} if there are no constants."""
         constants = sorted({s for f in fluents for s in _skolems(f)}, key=str)
-        if not constants:
-            return {} if self.holds_all(fluents) else None
         for anchors in itertools.permutations(self.situation.anchors(), len(constants)):
             binding: dict[Term, Term] = dict(zip(constants, anchors, strict=True))
-            if self.holds_all(frozenset(substitute(f, binding) for f in fluents)):
-                return binding
-        return None
+            if self.holds_all(frozenset(substitute(f, binding) for f in fluents) if binding else fluents):
+                yield binding
 
     def closest(self) -> Closest:
         """Return the instantiation without Skolem constants that is most probable now.

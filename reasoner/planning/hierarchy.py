@@ -16,7 +16,7 @@ from skolem.reasoner.terms import CAP_MICRONATS, Term, substitute
 from skolem.traces.messages import Plan, PlanCause, PlanStep
 
 Binding = Mapping[Term, Term]
-Satisfied = Callable[[Subgoal], Binding | None]  # the binding of Skolem constants under which all fluents hold
+Satisfied = Callable[[Subgoal], Iterable[Binding]]  # the bindings of Skolem constants under which all fluents hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,12 +26,10 @@ class Change:
     Attributes:
         cause: What it was.
         false_fluents: What is false now, or the names of the steps that cannot be used.
-        useless: Steps about a Skolem constant that turned out to be an anchor with which they cannot be used.
     """
 
     cause: PlanCause
     false_fluents: tuple[Term, ...] = ()
-    useless: tuple[Step, ...] = ()
 
 
 class PlanStack:
@@ -84,10 +82,10 @@ class PlanStack:
         """Choose a step in every layer for the present belief, pop layers that do not apply; return what changed.
 
         Args:
-            satisfied: Returns a binding of Skolem constants that makes a conjunction true now; None if there is none.
+            satisfied: Returns the bindings of Skolem constants that make a conjunction true now.
             false_in: Returns the fluents of a conjunction that are false now.
-            refused: Whether a step cannot be used at a level in this belief. If a Skolem constant turns out to be an
-                anchor with which such a step would have to be taken, every plan is dropped.
+            refused: Whether a step cannot be used at a level in this belief. A Skolem constant is not taken to be an
+                anchor with which such a step would have to be taken: the plan goes on for another object.
         """
         changes: list[Change] = []
         envelopes = self._envelopes()
@@ -96,8 +94,6 @@ class PlanStack:
             if choice is None:
                 lost = sorted({f for step in layer for f in false_in(step.preimage)}, key=str)
                 return [*changes, self._popped(i, Change("preimage_lost", tuple(lost)))]
-            if isinstance(choice, Change):
-                return [*changes, self._popped(0, choice)]
             if choice != self._chosen[i]:
                 changes.append(Change("skipped_forward" if choice > self._chosen[i] else "fell_back"))
                 self._chosen[i] = choice
@@ -112,39 +108,33 @@ class PlanStack:
         satisfied: Satisfied,
         refused: Callable[[Instance, int], bool],
         changes: list[Change],
-    ) -> int | Change | None:
+    ) -> int | None:
         for j in range(len(self._layers[i]) - 1, -1, -1):
-            for envelope in envelopes[j]:
-                binding = satisfied(envelope)
-                if binding is None:
-                    continue
-                if binding:
-                    useless = self._bind([*self._chosen[:i], j], binding, refused)
-                    if useless:
-                        return Change("refused", tuple(step.instance.operation for step in useless), useless)
+            for binding in itertools.chain.from_iterable(map(satisfied, envelopes[j])):
+                if not binding:
+                    return j
+                if self._bind([*self._chosen[:i], j], binding, refused):
                     changes.append(Change("bind_skolem"))
-                return j
+                    return j
         return None
 
-    def _bind(
-        self, starts: Sequence[int], binding: Binding, refused: Callable[[Instance, int], bool]
-    ) -> tuple[Step, ...]:
+    def _bind(self, starts: Sequence[int], binding: Binding, refused: Callable[[Instance, int], bool]) -> bool:
         """Replace Skolem constants in the upper layers, in each from one step on, and pop the layers below.
 
         A layer is a plan for a step of the one above, and remains one, since both are bound alike.
 
         Returns:
-            The steps that could not be used any more; if there are any, nothing is replaced.
+            Whether that was done; it is not if a step could not be used any more.
         """
         old = [layer[start:] for layer, start in zip(self._layers, starts, strict=False)]
         new = [[_bound(step, binding) for step in steps] for steps in old]
         pairs = zip(itertools.chain(*old), itertools.chain(*new), strict=True)
-        useless = tuple(before for before, after in pairs if before != after and refused(after.instance, after.level))
-        if not useless:
-            self._cut(len(starts))
-            for layer, start, steps in zip(self._layers, starts, new, strict=True):
-                layer[start:] = steps
-        return useless
+        if any(before != after and refused(after.instance, after.level) for before, after in pairs):
+            return False
+        self._cut(len(starts))
+        for layer, start, steps in zip(self._layers, starts, new, strict=True):
+            layer[start:] = steps
+        return True
 
     def _envelopes(self) -> list[list[list[Subgoal]]]:
         """Return per layer and step the conjunctions in any of which the step may go on.

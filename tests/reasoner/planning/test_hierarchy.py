@@ -25,10 +25,10 @@ class World:
         self.now = set(terms(*now))
         self.anchors = anchors
 
-    def satisfied(self, fluents: Subgoal) -> Binding | None:
+    def satisfied(self, fluents: Subgoal) -> list[Binding]:
         placeholder = parse_term("sk(o)")
         bindings: list[Binding] = [{}, *({placeholder: anchor} for anchor in self.anchors)]
-        return next((b for b in bindings if {substitute(f, b) for f in fluents} <= self.now), None)
+        return [b for b in bindings if {substitute(f, b) for f in fluents} <= self.now]
 
     def false_in(self, fluents: Subgoal) -> list[Term]:
         return [f for f in fluents if f not in self.now]
@@ -145,12 +145,21 @@ def test_the_message_shows_layers_levels_and_the_chosen_steps() -> None:
     assert [s.op for s in plan.layers[0]] == ["look", "pick"]
 
 
-def test_a_placeholder_that_turns_out_to_be_what_cannot_be_used_ends_the_plan() -> None:
-    """Otherwise the same plan would be made again, and bound again, without end."""
+def test_a_placeholder_is_no_anchor_that_cannot_be_used_and_the_search_goes_on_for_another() -> None:
+    """Otherwise the robot would give up for what is at hand, although what it seeks may be found."""
     find, place = step("find", ["far"], ["den(sk(o))"]), step("place(sk(o))", ["den(sk(o))"], ["there(sk(o))"])
-    stack, world = PlanStack(), World("far", "den(o2)", anchors=("o2",))
+    stack, world = PlanStack(), World("far", "den(o2)", anchors=("o2", "o3"))
     stack.push((find, place))
+
+    def select() -> list[str]:
+        changes = stack.select(world.satisfied, world.false_in, lambda instance, _: instance.step == useless)
+        return [change.cause for change in changes]
+
     useless = parse_term("place(o2)")
-    (change,) = stack.select(world.satisfied, world.false_in, lambda instance, _level: instance.step == useless)
-    assert (change.cause, change.useless) == ("refused", (place,))
-    assert len(stack) == 0
+    assert select() == []
+    assert stack.current() == find
+    world.now.add(parse_term("den(o3)"))
+    assert select() == ["bind_skolem", "skipped_forward"]
+    current = stack.current()
+    assert current is not None
+    assert current.instance.step == parse_term("place(o3)")
