@@ -86,7 +86,7 @@ class PosedGoal:
         return all(map(self.situation.holds, sorted(fluents, key=lambda f: (_is_geometric(f), str(f)))))
 
     def satisfied(self, fluents: Subgoal) -> Iterator[Binding]:
-        """Yield the bindings of Skolem constants to anchors under which all fluents hold; {} if there are no constants."""
+        """Yield the bindings of Skolem constants to anchors under which all fluents hold; {} without constants."""
         constants = sorted({s for f in fluents for s in _skolems(f)}, key=str)
         for anchors in itertools.permutations(self.situation.anchors(), len(constants)):
             binding: dict[Term, Term] = dict(zip(constants, anchors, strict=True))
