@@ -1,8 +1,8 @@
-"""Where an object of whose place little is known may stand, and what silence says of it."""
+"""Weighted places of an object with an uncertain place, and the effect of a missed detection on them."""
 
 import numpy as np
 import pytest
-from kit.searches import FRONT, LEFT, MIDDLE, RIGHT, TOP, Searcher, thing, told
+from kit.searches import FRONT, LEFT, MIDDLE, RIGHT, TOP, Searcher, table_prior, thing
 
 from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.events import Sought
@@ -10,9 +10,9 @@ from skolem.traces.messages import Pose4
 
 
 def searcher(at: Pose4, sd_m: float, really: Pose4 | None = None) -> Searcher:
-    """Return a robot that is told of a soda on the table and knows no other."""
+    """Return a robot whose prior has a soda on the table and no other object."""
     scene = [] if really is None else [("soda", really)]
-    return Searcher(told(objects=[thing("soda1", "soda", at, sd_m=sd_m)], regions=()), scene)
+    return Searcher(table_prior(objects=[thing("soda1", "soda", at, sd_m=sd_m)], regions=()), scene)
 
 
 def last_search(robot: Searcher) -> Sought:

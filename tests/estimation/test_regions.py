@@ -17,8 +17,8 @@ from kit.searches import (
     TYPES,
     Searcher,
     detection,
+    table_prior,
     thing,
-    told,
 )
 from kit.tabletop import looking
 
@@ -37,14 +37,14 @@ SCREEN: Pose4 = (1.1, 0.0, TOP, 0.0)
 
 def behind_a_screen() -> Searcher:
     """The robot knows of the screen that stands across the middle of the table."""
-    return Searcher(told(objects=[thing("screen1", "screen", SCREEN)]), [("screen", SCREEN)])
+    return Searcher(table_prior(objects=[thing("screen1", "screen", SCREEN)]), [("screen", SCREEN)])
 
 
 # ---------------------------------------------------------------- seen and unseen
 
 
 def test_region_is_unseen_before_the_first_look() -> None:
-    belief = Belief(told())
+    belief = Belief(table_prior())
     assert belief.regions() == (REGION,)
     assert belief.region_support(REGION) == "table1"
     assert belief.prob_contents(REGION) == 0.0
@@ -54,7 +54,7 @@ def test_region_is_unseen_before_the_first_look() -> None:
 
 
 def test_table_with_things_on_it_is_known_after_looks_from_two_sides() -> None:
-    robot = Searcher(told(), CANS)
+    robot = Searcher(table_prior(), CANS)
     robot.look(FRONT)
     once = robot.belief.prob_contents(REGION)
     robot.look(LEFT)
@@ -65,7 +65,7 @@ def test_table_with_things_on_it_is_known_after_looks_from_two_sides() -> None:
 
 
 def test_inside_of_known_things_does_not_count_as_unseen() -> None:
-    met, unmet = Searcher(told(), CANS), Searcher(told(), CANS)
+    met, unmet = Searcher(table_prior(), CANS), Searcher(table_prior(), CANS)
     for eye in (FRONT, LEFT, BACK, RIGHT):
         met.look(eye)
         unmet.look(eye, found=False)
@@ -100,7 +100,7 @@ def test_looks_never_lower_what_is_known_nor_raise_what_may_be_hidden() -> None:
 
 
 def test_contents_are_unknown_while_a_thing_could_stand_anywhere_below_what_was_seen() -> None:
-    robot = Searcher(told())
+    robot = Searcher(table_prior())
     frame = looking((0.1, 0.0, TOP + 0.12), (1.1, 0.0, TOP + 0.12))
     view = depth_view(frame, [], frame)
     half = len(view.depth_mm) // 2
@@ -114,7 +114,7 @@ def test_contents_are_unknown_while_a_thing_could_stand_anywhere_below_what_was_
 
 @pytest.mark.parametrize("depth_mm", [0, 300])
 def test_pixels_without_return_and_what_the_own_arm_covers_prove_nothing(depth_mm: int) -> None:
-    robot = Searcher(told())
+    robot = Searcher(table_prior())
     frame = looking(FRONT, MIDDLE)
     view = depth_view(frame, robot.solids, frame)
     robot.report(view.model_copy(update={"depth_mm": (depth_mm,) * len(view.depth_mm)}))
@@ -127,20 +127,20 @@ def test_pixels_without_return_and_what_the_own_arm_covers_prove_nothing(depth_m
 
 
 def test_look_past_the_region_shows_nothing_of_it() -> None:
-    robot = Searcher(told())
+    robot = Searcher(table_prior())
     robot.look(FRONT, (0.2, 3.0, TOP))
     assert robot.belief.prob_contents(REGION) == 0.0
 
 
 def test_what_is_too_far_for_the_detector_stays_unseen() -> None:
-    robot = Searcher(told())
+    robot = Searcher(table_prior())
     robot.look((-2.0, 0.0, 1.5))
     assert robot.belief.prob_contents(REGION) == 0.0
 
 
 def test_region_stands_on_its_support_wherever_that_is() -> None:
     table: Pose4 = (1.2, 0.3, 0.0, 0.7)
-    robot = Searcher(told(table), table=table)
+    robot = Searcher(table_prior(table), table=table)
     at = (1.2, 0.3, TOP)
     robot.look((0.3, -0.4, 1.5), at)
     robot.look((2.0, 1.1, 1.5), at)
@@ -149,7 +149,7 @@ def test_region_stands_on_its_support_wherever_that_is() -> None:
 
 def test_known_thing_off_the_region_fills_nothing_in_it() -> None:
     aside = thing("screen1", "screen", (1.1, 1.5, 0.0, 0.0), support=None)
-    alone, beside = Searcher(told()), Searcher(told(objects=[aside]))
+    alone, beside = Searcher(table_prior()), Searcher(table_prior(objects=[aside]))
     for robot in (alone, beside):
         robot.look(FRONT)
     assert alone.belief.prob_contents(REGION) == beside.belief.prob_contents(REGION)
@@ -161,7 +161,7 @@ def test_regions_are_searched_each_on_its_own() -> None:
         PriorRegion(anchor="_reg1_", support="table1", height_m=0.3, expected_objects=0.5),
         PriorRegion(anchor="_reg2_", support="table2", height_m=0.3, expected_objects=0.2),
     ]
-    robot = Searcher(told(objects=[far], regions=regions))
+    robot = Searcher(table_prior(objects=[far], regions=regions))
     robot.look(FRONT)
     assert robot.belief.regions() == ("_reg1_", "_reg2_")
     assert robot.belief.region_support("_reg2_") == "table2"
@@ -172,14 +172,14 @@ def test_regions_are_searched_each_on_its_own() -> None:
 
 def test_unknown_region_is_named_with_the_known_ones() -> None:
     with pytest.raises(InternalError, match="no region '_reg9_'; there are: _reg1_"):
-        Belief(told()).prob_contents("_reg9_")
+        Belief(table_prior()).prob_contents("_reg9_")
 
 
 # ---------------------------------------------------------------- free space and existence
 
 
 def test_c21_space_seen_empty_lowers_exists_in_and_the_existence_of_what_was_believed_there() -> None:
-    robot = Searcher(told(objects=[thing("rumour", "soda", (1.1, 0.0, TOP, 0.0), sd_m=0.02)]))
+    robot = Searcher(table_prior(objects=[thing("rumour", "soda", (1.1, 0.0, TOP, 0.0), sd_m=0.02)]))
     exists, hidden = [robot.belief.prob_exists("rumour")], [robot.belief.prob_exists_in(REGION, 0.5)]
     for eye in (FRONT, LEFT, RIGHT):
         robot.look(eye)
@@ -199,7 +199,7 @@ def test_c21_space_seen_empty_lowers_exists_in_and_the_existence_of_what_was_bel
 
 
 def test_overlooked_thing_leaves_the_contents_unknown_until_it_is_reported() -> None:
-    robot = Searcher(told(), CANS[:1])
+    robot = Searcher(table_prior(), CANS[:1])
     robot.look(FRONT, found=False)
     other = EstimatorConfig().other_solids
     again = 0.5 * 0.1 / (0.5 * 0.1 + other)  # P(it is of a known type | overlooked once)
@@ -213,7 +213,7 @@ def test_overlooked_thing_leaves_the_contents_unknown_until_it_is_reported() -> 
 
 
 def test_thing_that_is_never_reported_is_none_of_those_looked_for() -> None:
-    robot = Searcher(told(), CANS[:1])
+    robot = Searcher(table_prior(), CANS[:1])
     contents = []
     for eye in (FRONT, LEFT, RIGHT, BACK):
         robot.look(eye, found=False)
@@ -223,7 +223,7 @@ def test_thing_that_is_never_reported_is_none_of_those_looked_for() -> None:
 
 
 def test_thing_that_was_taken_away_puzzles_no_more() -> None:
-    robot = Searcher(told(), CANS[:1])
+    robot = Searcher(table_prior(), CANS[:1])
     robot.look(FRONT, found=False)
     robot.solids.pop()
     robot.look(FRONT)
@@ -238,7 +238,7 @@ def test_thing_that_was_met_for_sure_and_is_gone_may_be_wherever_nothing_was_bef
         for name, support in (("_reg1_", "table1"), ("_reg2_", "table2"))
     ]
     known = [thing("table2", "table", other, support=None), thing("can1", "soda", CANS[0][1], sd_m=0.02)]
-    robot = Searcher(told(objects=known, regions=regions), CANS[:1])
+    robot = Searcher(table_prior(objects=known, regions=regions), CANS[:1])
     robot.solids.append(Solid("table2", TYPES["table"], other))
     robot.look((0.1, 3.0, 1.5), (1.1, 3.0, TOP))
     empty = robot.belief.prob_contents("_reg2_")
@@ -257,7 +257,7 @@ def test_thing_that_was_met_for_sure_and_is_gone_may_be_wherever_nothing_was_bef
 @pytest.mark.parametrize("listed", [True, False])
 def test_things_believed_to_be_there_puzzle_nobody(listed: bool) -> None:
     objects = [thing("can1", "soda", CANS[0][1], sd_m=0.02)] if listed else []
-    robot = Searcher(told(objects=objects), CANS[:1])
+    robot = Searcher(table_prior(objects=objects), CANS[:1])
     robot.look(FRONT, found=False)
     assert (robot.belief.prob_contents(REGION) > 0.9) is listed
 
@@ -269,14 +269,14 @@ def test_own_arm_over_a_region_puzzles_nobody() -> None:
     frame = looking(FRONT, MIDDLE)
     contents = []
     for state in (ahead, ROBOT):
-        robot = Searcher(told())
+        robot = Searcher(table_prior())
         robot.report(depth_view(frame, [*robot.solids, arm], frame), robot=state)
         contents.append(robot.belief.prob_contents(REGION))
     assert contents[0] > 0.85 > 0.6 > contents[1]
 
 
 def test_known_thing_is_hardly_doubted_where_the_picture_shows_it() -> None:
-    shown, gone = Searcher(told(), CANS[:1]), Searcher(told(), CANS[:1])
+    shown, gone = Searcher(table_prior(), CANS[:1]), Searcher(table_prior(), CANS[:1])
     for robot in (shown, gone):
         robot.look(FRONT)
     gone.solids.pop()
@@ -290,7 +290,7 @@ def test_known_thing_is_hardly_doubted_where_the_picture_shows_it() -> None:
 
 
 def test_what_the_picture_shows_counts_anew_once_the_thing_was_reported_again() -> None:
-    robot, doubted = Searcher(told(), CANS[:1]), []
+    robot, doubted = Searcher(table_prior(), CANS[:1]), []
     for _ in range(3):
         for found in (True, True, False):
             robot.look(FRONT, found=found)
@@ -304,16 +304,16 @@ def test_what_the_picture_shows_counts_anew_once_the_thing_was_reported_again() 
 
 
 def test_arbitrary_object_is_as_the_prior_says() -> None:
-    belief = Belief(told(types={"soda": 0.7, "bottle": 0.3}))
+    belief = Belief(table_prior(types={"soda": 0.7, "bottle": 0.3}))
     assert belief.prob_property_of_new(TypeIs(type="soda")) == pytest.approx(0.7)
     assert belief.prob_property_of_new(TypeIs(type="table")) == 0.0
     assert belief.prob_property_of_new(WeightInterval(at_least_kg=0.3)) == pytest.approx(0.5)
     assert 0.05 < belief.prob_property_of_new(GREEN) < 0.25
-    assert Belief(told()).prob_property_of_new(TypeIs(type="soda")) == pytest.approx(0.5)
+    assert Belief(table_prior()).prob_property_of_new(TypeIs(type="soda")) == pytest.approx(0.5)
 
 
 def test_new_anchor_starts_from_that_prior() -> None:
-    robot = Searcher(told(types={"soda": 0.25, "bottle": 0.75}), CANS[:1])
+    robot = Searcher(table_prior(types={"soda": 0.25, "bottle": 0.75}), CANS[:1])
     robot.look(FRONT)
     right, wrong = NOISE.type_right, 1.0 - NOISE.type_right
     soda = 0.25 * right / (0.25 * right + 0.75 * wrong)
@@ -327,7 +327,7 @@ def test_new_anchor_starts_from_that_prior() -> None:
 
 
 def test_detection_in_unseen_space_is_believed_and_one_in_space_seen_empty_is_not() -> None:
-    robot = Searcher(told(), CANS[:1])
+    robot = Searcher(table_prior(), CANS[:1])
     robot.look(FRONT)
     unmet = 0.5 / (0.6 * 1.0) + 0.05  # per square metre of table, and anywhere
     false = NOISE.false_per_look * EstimatorConfig().coincidence  # the picture shows something there
@@ -342,7 +342,7 @@ def test_detection_in_unseen_space_is_believed_and_one_in_space_seen_empty_is_no
 
 
 def test_c22_what_is_found_becomes_an_anchor_at_once() -> None:
-    robot = Searcher(told(), CANS)
+    robot = Searcher(table_prior(), CANS)
     assert robot.belief.anchors() == ("table1",)
     robot.look(FRONT)
     assert robot.belief.anchors() == ("table1", "_o1_", "_o2_")
@@ -370,7 +370,7 @@ def test_snapshot_tells_what_is_seen_hidden_and_where() -> None:
 
 
 def test_wholly_seen_region_has_no_unseen_points() -> None:
-    robot = Searcher(told())
+    robot = Searcher(table_prior())
     for eye in (FRONT, LEFT, BACK, RIGHT):
         robot.look(eye)
     region = robot.belief.snapshot(4).regions[REGION]
@@ -392,7 +392,7 @@ def test_belief_rebuilt_from_its_events_has_seen_the_same() -> None:
 
 
 def test_every_fault_of_regions_is_reported_at_once() -> None:
-    good = told()
+    good = table_prior()
     region = good.regions[0]
     wrong = [
         region,

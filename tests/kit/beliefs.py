@@ -1,4 +1,4 @@
-"""A robot before a table of cans: the prior it is told, what its sensors say, and the belief it makes of that."""
+"""A robot before a table of cans: its prior, its observations, and its belief."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -77,7 +77,7 @@ GRASP: Pose4 = (0.02, 0.02, -0.05, 0.0)
 
 
 def prior(cans: dict[str, Pose2] = CANS, noise: NoiseModel = NOISE, sd_m: float = 0.05, base_sd: float = 0.01) -> Prior:
-    """One table in front of the robot and cans on it."""
+    """Return the prior of a table in front of the robot and cans on it."""
     table = PriorObject(
         anchor="table1", type={"table": 1.0}, world_T_object=(1.0, 0.0, 0.0, 0.0), sd_xy_m=0.01, sd_theta_rad=0.005
     )
@@ -106,13 +106,13 @@ def prior(cans: dict[str, Pose2] = CANS, noise: NoiseModel = NOISE, sd_m: float 
 
 
 def depth_view(cylinders: Iterable[Pose2] = (), height: float = 0.115) -> DepthView:
-    """What a camera at 1.4 m, pitched down, sees of an endless table top and of cans on it (base frame)."""
+    """Return the depth image, by a camera at 1.4 m that looks down, of an endless table top with cans (base frame)."""
     rows, columns, fovy = 30, 40, 0.796
     f = rows / 2 / math.tan(fovy / 2)
     c, s = math.cos(PITCH), math.sin(PITCH)
     row, column = np.divmod(np.arange(rows * columns), columns)
     left, up = -(column - columns / 2) / f, -(row + 1 - rows / 2) / f
-    ray = np.stack([c + s * up, left, c * up - s], axis=-1)  # base frame, of unit depth
+    ray = np.stack([c + s * up, left, c * up - s], axis=-1)  # base frame, at depth 1 m
     depth = np.where(ray[:, 2] < -1e-6, (TABLE_TOP - CAMERA[2]) / np.minimum(ray[:, 2], -1e-6), 9.0)
     for x, y, _ in cylinders:
         a = ray[:, 0] ** 2 + ray[:, 1] ** 2
@@ -139,7 +139,7 @@ def detection(
     noise: NoiseModel = NOISE,
     z: float = TABLE_TOP,
 ) -> Detection:
-    """A detection with the covariance that the noise model gives it there; a cylinder's heading is reported as 0."""
+    """Return a detection with the covariance of the noise model at its place; a cylinder's heading is 0."""
     x, y, theta = base_T_object
     theta = 0.0 if kind == "soda" else theta
     lever = np.array([x - CAMERA[0], y - CAMERA[1], z - CAMERA[2]])
@@ -168,11 +168,11 @@ def table_detection(base_T_table: Pose2, sds: tuple[float, float, float] = (0.00
 
 
 class Robot:
-    """Feeds a belief with actions and observations, counting steps."""
+    """A belief that takes in actions and observations, with a count of the steps."""
 
-    def __init__(self, told: Prior, config: EstimatorConfig | None = None) -> None:
-        self.belief = Belief(told, config)
-        self.joints = told.robot
+    def __init__(self, start: Prior, config: EstimatorConfig | None = None) -> None:
+        self.belief = Belief(start, config)
+        self.joints = start.robot
         self.step = 0
 
     def _do(self, command: Command, args: tuple[str, ...] = (), odometry: Pose2 | None = None, **seen: object) -> None:

@@ -1,4 +1,4 @@
-"""Beliefs about a robot among three tables: what the tests of planning share."""
+"""Beliefs about a robot among three tables, shared by the tests of planning."""
 
 import math
 
@@ -23,12 +23,12 @@ _ANY_COLOUR = HsvBelief(mean=(0.5, 0.5, 0.5), variance=(0.1, 0.1, 0.1))
 
 
 def on(table: str, x: float, y: float, theta: float = 0.0) -> Pose4:
-    """Return the pose in the world of a thing on a table, given in the table's frame."""
+    """Return the world pose of an object on a table from its pose in the table's frame (metres, radians)."""
     return compose4(TABLES[table], (x, y, TYPES["table"].size_m[2], theta))
 
 
 def believed(kind: str, world_T_object: Pose4, sd_m: float = 0.02, support: str | None = None) -> ObjectBelief:
-    """Return a belief in an object of one type whose place is known but for `sd_m`."""
+    """Return a belief in an object of one type whose place has the sd `sd_m`, each axis."""
     return ObjectBelief(
         exists=1.0,
         type={kind: 1.0},
@@ -41,17 +41,17 @@ def believed(kind: str, world_T_object: Pose4, sd_m: float = 0.02, support: str 
 
 
 def in_hand(item: ObjectBelief, hand: Hand = "right", tool_T_object: Pose4 = HELD_SODA) -> ObjectBelief:
-    """Return the same object, held."""
+    """Return the belief in an object with the object in a hand."""
     return item.model_copy(update={"support": None, "in_hand": hand, "tool_T_object": tool_T_object})
 
 
 def tables() -> dict[str, ObjectBelief]:
-    """Return the three tables, exactly known."""
+    """Return beliefs in the three tables with exact places."""
     return {name: believed("table", pose, 0.0) for name, pose in TABLES.items()}
 
 
 def sodas(sd_m: float = 0.02) -> dict[str, ObjectBelief]:
-    """Return the three tables with a soda on each, near the edge that faces the middle of the room."""
+    """Return beliefs in the three tables and a soda on each, near the edge that faces the middle of the room."""
     cans = {
         f"soda{i + 1}": believed("soda", on(table, -0.25, 0.1 * (1 - i)), sd_m, table) for i, table in enumerate(TABLES)
     }

@@ -1,4 +1,4 @@
-"""A browser led over its debugging pipe: opens a page, takes pictures of it. Software rendering, this machine only."""
+"""A browser controlled over its debugging pipe: it opens a page and takes pictures of it. It renders in software."""
 
 import base64
 import json
@@ -33,11 +33,11 @@ class Page:
         self._session = self._call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
 
     def picture(self) -> bytes:
-        """Return what the page looks like now, as PNG."""
+        """Return a picture of the page as PNG."""
         return base64.b64decode(self._call("Page.captureScreenshot", format="png")["data"])
 
     def _call(self, method: str, **params: Any) -> Any:
-        """Send a command and return its result; events in between are not for us."""
+        """Send a command and return its result; events in between are ignored."""
         self._count += 1
         session = {"sessionId": self._session} if self._session else {}
         command = {"id": self._count, "method": method, "params": params} | session
@@ -57,12 +57,12 @@ class Page:
 
 @contextmanager
 def page(browser: str, address: str, width: int, height: int) -> Iterator[Page]:
-    """Open a page in a browser of its own, with a profile of its own; both are gone after the block."""
+    """Open a page in a new browser with a new profile; both are removed after the block."""
     down_read, down_write = os.pipe()
     up_read, up_write = os.pipe()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as home:
         places = [f"--user-data-dir={home}", f"--window-size={width},{height}", "about:blank"]
-        shell = f'exec "$@" 3<&{down_read} 4>&{up_write}'  # it reads 3 and writes 4
+        shell = f'exec "$@" 3<&{down_read} 4>&{up_write}'  # the browser reads 3 and writes 4
         process = subprocess.Popen(
             ["bash", "-c", shell, "bash", browser, *OPTIONS, *places],
             pass_fds=(down_read, up_write),

@@ -35,7 +35,7 @@ OBJECTS = ("table1", "sodaE", "_o1_")
 
 @st.composite
 def expressions(draw: st.DrawFn, scope: tuple[str, ...], depth: int = 3, numbers: bool = False) -> Expression:
-    """An expression whose free variables are in `scope`. Two binders of it may share a name."""
+    """Draw an expression whose free variables are in `scope`. Two of its binders may share a name."""
     kinds = ["atom"] if depth == 0 else ["atom", "and", "or", "exists"]
     match draw(st.sampled_from(kinds)):
         case "and":
@@ -57,7 +57,7 @@ def expressions(draw: st.DrawFn, scope: tuple[str, ...], depth: int = 3, numbers
 
 @st.composite
 def lambdas(draw: st.DrawFn, numbers: bool = False) -> Lambda:
-    """A description, whose binders are called x, y1, y2, .. from left to right."""
+    """Draw a description, whose binders are called x, y1, y2, .. from left to right."""
     return Lambda("x", _numbered(draw(expressions(("x",), 3, numbers)), {"x": "x"}, count(1)))
 
 
@@ -78,7 +78,7 @@ def _numbered(expression: Expression, names: dict[str, str], numbers: Iterator[i
 
 @st.composite
 def goals(draw: st.DrawFn) -> Goal:
-    """A goal with one or two existential variables, each used."""
+    """Draw a goal with one or two existential variables, each used."""
     variables = draw(st.sampled_from([("o",), ("o", "q")]))
     first: list[Conjunct] = [Designated(Variable(name)) for name in variables]
     return Goal(variables, (*first, *draw(st.lists(_conjuncts(variables), max_size=4))))

@@ -1,4 +1,4 @@
-"""Drawn scenarios judged again from their text alone, by other geometry than they were drawn with."""
+"""Drawn scenarios, judged again from their text alone by a geometry of their own."""
 
 import math
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ def world_of(family: str, seed: int) -> "DrawnWorld":
 
 @dataclass(frozen=True)
 class DrawnWorld:
-    """A scenario that was drawn, read back."""
+    """A drawn scenario, read from its text."""
 
     setup: Setup
 
@@ -65,7 +65,7 @@ class DrawnWorld:
         return at, what.size_m[0] / 2.0, what.size_m[1] / 2.0, 0.0
 
     def overlapping(self) -> list[tuple[str, str]]:
-        """Return pairs that stand in one another."""
+        """Return the pairs of objects that overlap."""
         return [
             (a.id, b.id)
             for a, b in combinations(self.scenario.world, 2)
@@ -73,7 +73,7 @@ class DrawnWorld:
         ]
 
     def overhanging(self) -> list[str]:
-        """Return what reaches beyond the edge of its table, now or where it is moved to."""
+        """Return the objects that reach beyond the edge of their table, at the start or after a move."""
         moved = [(self.item(move.id).type, move.id, move.on, move.at) for move in self.scenario.disturbances]
         things = [*((item.type, item.id, item.on, item.at) for item in self.scenario.world), *moved]
         return [name for kind, name, on, at in things if on is not None and self._hangs(kind, on, at)]
@@ -85,7 +85,7 @@ class DrawnWorld:
         return any(abs(u) + radius > length / 2.0 or abs(v) + radius > width / 2.0 for u, v, _ in corners)
 
     def true_if(self, places: dict[str, tuple[str, Pose2]], gone: frozenset[str] = frozenset()) -> bool:
-        """Return whether the goal is true with things on other places and others away."""
+        """Return whether the goal is true with some objects at other places and the `gone` ones away."""
         objects = []
         for item in self.scenario.world:
             if item.id in gone:
@@ -112,7 +112,7 @@ class DrawnWorld:
         return not any(meet(base, self.shape(table.type, table.at)) for table in self.tables())
 
     def arm_reaches(self, item: WorldObject, stand: Pose2) -> bool:
-        """Return whether an arm has a joint solution for a level grasp of a thing from a base pose."""
+        """Return whether an arm has a joint solution for a level grasp of an object from a base pose."""
         x, y, theta = compose2(inverse2(stand), self.place(item))
         what = self.setup.types[item.type]
         z = self.setup.types["table"].size_m[2] + max(0.045, 0.6 * what.size_m[2])
@@ -129,7 +129,7 @@ class DrawnWorld:
         return False
 
     def stands_near(self, item: WorldObject) -> list[Pose2]:
-        """Return drawn base poses that are free and from which an arm might be long enough."""
+        """Return drawn base poses that are free and no farther from the object than an arm is long."""
         draw = Generator(PCG64(SeedSequence([self.setup.seed, 1])))
         x, y, _ = self.place(item)
         found = []
@@ -140,7 +140,7 @@ class DrawnWorld:
         return found
 
     def room_on(self, table: str, kind: str) -> list[Pose2]:
-        """Return drawn places on a table where a thing is free of all that cannot be lifted."""
+        """Return drawn places on a table at which an object overlaps no object that cannot be lifted."""
         draw = Generator(PCG64(SeedSequence([self.setup.seed, 2])))
         length, width, _ = self.setup.types[self.item(table).type].size_m
         fixed = [item for item in self.scenario.world if item.on == table and item not in self.graspable()]
@@ -155,7 +155,7 @@ class DrawnWorld:
 
 
 def meet(a: Shape, b: Shape) -> bool:
-    """Return whether two shapes overlap: no axis of either, nor the one between nearest corners, parts them."""
+    """Return whether two shapes overlap: no axis of either and no axis between two corners separates them."""
     axes = [turn + k * math.pi / 2 for (_, _, turn), *_ in (a, b) for k in (0, 1)]
     axes += [math.atan2(q[1] - p[1], q[0] - p[0]) for p in _corners(a) for q in _corners(b)]
     for angle in axes:

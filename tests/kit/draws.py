@@ -1,14 +1,14 @@
-"""How many examples a property test draws, in the tests (the same in every run) and in `make fuzz` (fresh ones)."""
+"""The number of examples of a property test. Tests draw the same ones in every run; `make fuzz` draws fresh ones."""
 
 from hypothesis import settings
 
-USUAL = 100  # examples of a property test that asks for no number of its own
+USUAL = 100  # number of examples of a property test without settings
 
 
 def examples(count: int) -> settings:
-    """Return settings for `count` examples, or for as large a share of them as the profile draws of the usual number.
+    """Return settings for `count` examples, times the ratio of the profile's number to `USUAL`.
 
-    An expensive test asks for fewer than the usual number; a thorough one for more. A number given to `settings` itself
-    would stay the same under every profile.
+    An expensive test asks for fewer than the usual number, a thorough one for more. With a number in `settings` itself,
+    a test would draw as many under every profile.
     """
     return settings(max_examples=max(1, count * settings().max_examples // USUAL))

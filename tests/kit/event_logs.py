@@ -28,7 +28,7 @@ STRETCHED = (0.0,) * 7
 
 
 def began(objects: dict[str, Pose2], sd_m: float = 0.1, sd_rad: float = 0.2, base_sd: float = 0.01) -> Began:
-    told = tuple(
+    priors = tuple(
         PriorObject(anchor=a, type={"can": 1.0}, world_T_object=(x, y, 0.7, t), sd_xy_m=sd_m, sd_theta_rad=sd_rad)
         for a, (x, y, t) in objects.items()
     )
@@ -38,7 +38,7 @@ def began(objects: dict[str, Pose2], sd_m: float = 0.1, sd_rad: float = 0.2, bas
             base_sd_xy_m=base_sd,
             base_sd_theta_rad=base_sd,
             robot=RobotState(right_arm=STRETCHED, left_arm=STRETCHED),
-            objects=told,
+            objects=priors,
             types={"can": ObjectType(shape="cylinder", size_m=(0.06, 0.06, 0.1), graspable=True)},
             colour=GREY,
             log_weight=(0.0, 1.0),

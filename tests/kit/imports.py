@@ -1,4 +1,4 @@
-"""Who imports whom in the product: every import of every file, followed through faces to the file that is meant."""
+"""The imports of every file of the product, followed through faces to the file that defines each name."""
 
 import ast
 import tomllib
@@ -51,17 +51,17 @@ class Import:
 
 @dataclass(frozen=True)
 class House:
-    """The files of the product by the name of their module, and what they import.
+    """The files of the product by the names of their modules, and their imports.
 
-    Imports inside functions and under TYPE_CHECKING count, and so do texts that are nothing but the name of a module,
-    with or without a member after a colon: tables of what is loaded later are made of them.
+    Imports inside functions and under TYPE_CHECKING count. So do texts that are only the name of a module, with or
+    without a member after a colon, because such texts name modules to load later.
     """
 
     files: Mapping[str, File]
 
     @classmethod
     def at(cls, root: Path) -> "House":
-        """Read the product in a checkout: the folders that its `pyproject.toml` maps to packages."""
+        """Read the product in a checkout, in the folders that its `pyproject.toml` maps to packages."""
         config = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
         folders: dict[str, str] = config["tool"]["setuptools"]["package-dir"]
         found = {}
@@ -77,14 +77,14 @@ class House:
         return cls(found)
 
     def planted(self, module: str, text: str) -> "House":
-        """Return this house with lines more at the end of a module, or with a new module of these lines."""
+        """Return this house with lines added to the end of a module, or with a new module of these lines."""
         path = PurePosixPath(*module.split(".")[1:]).with_suffix(".py")
         file = self.files.get(module, File(path, ""))
         return House({**self.files, module: replace(file, text=f"{file.text}\n{text}\n")})
 
     @cached_property
     def faces(self) -> dict[str, dict[str, str]]:
-        """For every lazy package the modules of its public names."""
+        """The modules of the public names of every lazy package."""
         return {module: dict(_offered(module, file.face)) for module, file in self.files.items() if file.face}
 
     @cached_property
@@ -93,7 +93,7 @@ class House:
         return tuple(found for module in sorted(self.files) for found in self.imports_of(module))
 
     def imports_of(self, module: str) -> Iterator[Import]:
-        """Yield what one module imports of the product, itself left out."""
+        """Yield the imports of one module from other modules of the product."""
         for written, name in _written(self.files[module].text):
             found = self._resolved(module, written, name)
             if found and found.meant != module:
@@ -108,14 +108,14 @@ class House:
 
     @cached_property
     def arrows(self) -> dict[str, frozenset[str]]:
-        """For every module those it imports; a face that is imported as a whole stands for all that it offers."""
+        """The modules that every module imports; a face that is imported as a whole stands for all that it offers."""
         found: dict[str, set[str]] = {module: set(self.faces.get(module, {}).values()) for module in self.files}
         for one in self.imports:
             found[one.importer].add(one.meant)
         return {module: frozenset(others - {module}) for module, others in found.items()}
 
     def room_of(self, module: str) -> str:
-        """Return the room of a module: its folder; beside other rooms, a file is a room of its own.
+        """Return the room of a module, which is its folder; a file beside rooms is a room of its own.
 
         Rooms are named by their path: `sim/planner`, `reasoner/agent.py`.
         """
@@ -138,7 +138,7 @@ class House:
 
     @cached_property
     def room_arrows(self) -> dict[str, frozenset[str]]:
-        """For every room the other rooms that it imports from."""
+        """The other rooms that every room imports from."""
         found: dict[str, set[str]] = {room: set() for room in self.rooms}
         for room, modules in self.rooms.items():
             for module in modules:
@@ -146,10 +146,10 @@ class House:
         return {room: frozenset(others) for room, others in found.items()}
 
     def reachable(self, starts: Iterable[str]) -> dict[str, tuple[str, ...]]:
-        """Return every module that is imported from these, at once or by others, with the way to it."""
+        """Return every module that these import, directly or through others, with the chain of imports to it."""
         ways: dict[str, tuple[str, ...]] = {start: (start,) for start in starts}
         todo = list(ways)
-        for module in todo:  # grows while it is gone through
+        for module in todo:  # the loop extends the list
             for other in sorted(self.arrows[module]):
                 if other not in ways:
                     ways[other] = (*ways[module], other)
@@ -185,7 +185,7 @@ def circles(arrows: Mapping[str, Iterable[str]]) -> list[tuple[str, ...]]:
 
 
 def private_names(text: str) -> list[str]:
-    """Return the private names of other modules of the product that a file takes, as written."""
+    """Return the private names that a file imports from other modules of the product, as written."""
     tree = ast.parse(text)
     found, modules = [], set()
     for node in ast.walk(tree):
@@ -206,7 +206,7 @@ def _is_private(name: str) -> bool:
 
 @cache
 def _written(text: str) -> tuple[tuple[str, str], ...]:
-    """Return module and member of all that a file imports or names as text; the member is empty for a whole module."""
+    """Return module and member of each import, and of each text that names one; the member is empty for a module."""
     return tuple(_walked(ast.parse(text)))
 
 
@@ -223,7 +223,7 @@ def _walked(tree: ast.AST) -> Iterator[tuple[str, str]]:
 
 
 def _offered(package: str, stub: str) -> Iterator[tuple[str, str]]:
-    """Yield the public names of a face and the module that each is defined in, by the relative imports of its stub."""
+    """Yield the public names of a face, with the module of each by the relative imports of the face's stub."""
     for node in ast.walk(ast.parse(stub)):
         if isinstance(node, ast.ImportFrom):
             module = ".".join(filter(None, (package, node.module))) if node.level else node.module or ""

@@ -33,7 +33,7 @@ def instance(
 
 
 class Table:
-    """Offers from a list of instances; what holds is a set."""
+    """Offers from a list of instances; the true fluents are a set."""
 
     def __init__(
         self, instances: Iterable[Instance], now: Iterable[str], mutexes: Iterable[tuple[str, str]] = ()

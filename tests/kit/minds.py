@@ -30,7 +30,7 @@ _STILL = ((0.0,) * 7,)
 
 @dataclass
 class Region:
-    """What is believed of a region."""
+    """The belief on a region: its support, expected number of unmet objects, and seen share."""
 
     support: str
     objects: float = 0.3
@@ -39,7 +39,7 @@ class Region:
 
 @dataclass
 class Thing:
-    """What is believed of one anchor, as plain numbers."""
+    """The belief on one anchor, as plain numbers."""
 
     types: dict[str, float]
     on: str | None = None
@@ -53,7 +53,7 @@ class Thing:
 
 
 class TableBelief(PlainBelief):
-    """A belief as a table; `changed()` after every edit."""
+    """A belief as a table; call `changed()` after every edit."""
 
     def __init__(self, things: dict[str, Thing], regions: dict[str, Region] | None = None) -> None:
         self.things = things
@@ -102,7 +102,7 @@ class TableBelief(PlainBelief):
             case TypeIs(type=name):
                 return thing.types.get(name, 0.0)
             case HsvUnion(boxes=boxes):
-                _, s, v = thing.hsv  # as good as known
+                _, s, v = thing.hsv  # taken as exact
                 return sum(self._prob(thing, box) for box in boxes if box.contains((box.hue[0], s, v)))
             case HsvVolume(hue=hue):
                 width = (hue[1] - hue[0]) % 1.0
@@ -160,12 +160,12 @@ class TableBelief(PlainBelief):
 
 
 class TableGeometry:
-    """Everything is possible from where it is possible: `at` names the activity the base stands for."""
+    """A geometry in which each activity has one stance; `at` names the activities possible from the present stance."""
 
     def __init__(self) -> None:
         self.at: set[str] = set()
         self.impossible: set[str] = set()
-        self.spent: dict[str, int] = {}  # of what is in `impossible`: stances tried before the budget was spent
+        self.spent: dict[str, int] = {}  # stances tried, for each of `impossible` whose budget was spent
         self.in_the_way: dict[str, tuple[str, ...]] = {}
         self.asked: list[str] = []
 
@@ -173,7 +173,7 @@ class TableGeometry:
         del belief
 
     def drive(self, activity: str) -> None:
-        """Stand where `activity` can be done; where an object can be picked, or a support placed on, it is seen too."""
+        """Drive to the stance of `activity`; an object can also be looked at from the stance of its pick or place."""
         activity = activity.removesuffix(" from elsewhere")
         self.at = {activity}
         kind, _, arguments = activity.removesuffix(")").partition("(")

@@ -1,4 +1,4 @@
-"""What a test needs of the machine beyond Python."""
+"""Requirements of tests on the machine beyond Python."""
 
 import os
 from typing import NoReturn
@@ -7,7 +7,7 @@ import pytest
 
 
 def missing(what: str) -> NoReturn:
-    """Skip the test, or fail it on a machine that is expected to have everything, which SKOLEM_CI says."""
+    """Skip the test, or fail it if SKOLEM_CI says that the machine has everything."""
     said = f"missing on this machine: {what}"
     if os.environ.get("SKOLEM_CI"):
         pytest.fail(said)

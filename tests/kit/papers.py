@@ -1,6 +1,6 @@
-"""What the tests of the paper's items share: rules, a goal posed of a belief, a handling robot, the paper's example.
+"""Shared parts of the tests of the paper's items: rules, posed goals, a handling robot, and the paper's example.
 
-The example is that of section "Illustrative example"; `rehearsed` keeps the finished plays, as several items read them.
+The example is that of section "Illustrative example". `rehearsed` keeps finished plays, as several tests read them.
 """
 
 import math
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from kit.minds import Region, TableBelief, TableGeometry, Thing
 from kit.plays import BLUE, GREEN, RED, Play
-from kit.searches import ROBOT, TYPES, Searcher, detection, told
+from kit.searches import ROBOT, TYPES, Searcher, detection, table_prior
 
 from skolem.reasoner.language.parser import parse_goal, parse_lambda
 from skolem.reasoner.planning.denotation import compile_description, evaluate
@@ -66,14 +66,14 @@ def with_own_rules(folder: Path, text: str) -> Rulebook:
 
 
 def colour(word: str) -> ColourMeaning:
-    """Return what a colour word means."""
+    """Return the meaning of a colour word."""
     meaning = shipped().vocabulary.meanings[word]
     assert isinstance(meaning, ColourMeaning)
     return meaning
 
 
 def green() -> ColourMeaning:
-    """Return what the word green means."""
+    """Return the meaning of the word green."""
     return colour("green")
 
 
@@ -83,7 +83,7 @@ def green() -> ColourMeaning:
 def posed(
     goal: str, belief: BeliefQueries, rulebook: Rulebook | None = None, geometry: TableGeometry | None = None
 ) -> PosedGoal:
-    """Return a goal posed of a belief, where everything is possible from where it is possible."""
+    """Return a goal posed of a belief, by default with the geometry `TableGeometry`."""
     book = rulebook or shipped()
     parsed = parse_goal(goal, book.vocabulary.words(), belief.anchors())
     denotations = Denotations(parsed.expressions, book)
@@ -103,13 +103,13 @@ def denotes(description: str, belief: BeliefQueries) -> dict[str, float]:
 
 
 def planned(at: PosedGoal, *fluents: str, level: int = 0) -> Found:
-    """Return the plan for a conjunction with every operation at one level of detail."""
+    """Return the plan for a conjunction, with all operations at one level of detail."""
     root = frozenset(map(parse_term, fluents))
     return regress([root], at.offers, lambda _: level, lambda *_: False, 3000, 50_000_000)
 
 
 def steps_of(found: Found) -> tuple[Step, ...]:
-    """Return the steps of a plan that must be there."""
+    """Return the steps of a plan; there must be a plan."""
     assert found.steps is not None
     return found.steps
 
@@ -136,7 +136,7 @@ def normal_tail(threshold: float, mean: float, sd: float) -> float:
 
 
 def median_kg(p_heavy: float, sd: float) -> float:
-    """Return the median of a log-normal weight of which P(weight >= 400 g) is given, by bisection; kg."""
+    """Return the median, kg, of a log-normal weight with P(weight >= 400 g) = `p_heavy`, by bisection."""
     low, high = 1e-3, 10.0
     for _ in range(80):
         middle = math.sqrt(low * high)
@@ -148,10 +148,10 @@ def median_kg(p_heavy: float, sd: float) -> float:
 
 
 class Handler(Searcher):
-    """The robot of `searches`, which also drives, picks, places and weighs; nothing it does errs but as told."""
+    """The robot of `searches`, which also drives, picks, places and weighs; its results are exact unless stated."""
 
     def do(self, command: Command, args: Sequence[str] = (), seen: Observation | None = None, **result: object) -> None:
-        """Carry out one action and take in what came of it."""
+        """Carry out one action and take in its result and observation."""
         self.belief.update(
             Action(step=self.step, op=command.kind, args=tuple(args), command=command),
             ActionResult.model_validate({"step": self.step, "status": "done", "robot": ROBOT} | result),
@@ -160,28 +160,28 @@ class Handler(Searcher):
         self.step += 1
 
     def see(self, *detections: Detection) -> None:
-        """Look without a depth image: what is not reported may have been out of sight."""
+        """Look without a depth image, so that objects without a detection may be out of sight."""
         looked = Observation(step=self.step, kind="look", detections=detections)
         self.do(LookAt(pan=0.0, tilt=0.0), seen=looked)
 
     def drive(self, start_T_end: Pose2) -> None:
-        """Drive, by the word of the wheels."""
+        """Drive by a motion, which the odometry reports exactly."""
         self.do(MoveBase(start_T_waypoint=(start_T_end,)), odometry=start_T_end)
 
     def pick(self, anchor: str) -> None:
-        """Close the right hand on an object where it is believed to be."""
+        """Close the right hand on an object at its believed place."""
         x, y, _, _ = self.belief.snapshot(0).objects[anchor].world_T_object
         command = Pick(hand="right", approach=(), reach=(), lift=(), carry=(), tool_T_object=(0.0, 0.0, -0.05, 0.0))
         self.do(command, (anchor,), base_T_tool=(x, y, 0.75, 0.0), gripper_gap_m=0.06)
 
     def place(self, anchor: str, support: str, base_T_object: Pose2) -> None:
-        """Open the right hand so that the object stands there."""
+        """Open the right hand so that the object stands at `base_T_object`."""
         x, y, theta = base_T_object
         command = Place(hand="right", approach=(), lower=(), retreat=(), carry=())
         self.do(command, (anchor, support), base_T_tool=(x, y, 0.75, theta), gripper_gap_m=0.08)
 
     def weigh(self, kg: float) -> None:
-        """Feel the weight of what the right hand holds."""
+        """Weigh the object in the right hand."""
         wrench = Wrench(hand="right", force_newton=(0.0, 0.0, -9.81 * kg), samples=48)
         self.do(Weigh(hand="right"), seen=Observation(step=self.step, kind="weigh", wrench=wrench))
 
@@ -189,15 +189,15 @@ class Handler(Searcher):
 def seen_as(
     world_T_object: Pose4, kind: str = "soda", rgb: tuple[float, float, float] = (0.08, 0.64, 0.08)
 ) -> Detection:
-    """Return the detection of a thing, from a base at the origin of the world."""
+    """Return the detection of an object by a robot at the origin of the world."""
     return detection(Solid("it", TYPES[kind], world_T_object)).model_copy(update={"rgb": rgb})
 
 
 def at_five_percent(
     objects: Sequence[PriorObject] = (), regions: Sequence[PriorRegion] | None = None, **noise: float
 ) -> Prior:
-    """Return the prior of `searches` with a detector that is right about types in 95 of 100 cases."""
-    before = told(objects=objects, regions=regions)
+    """Return the prior of `searches` with a detector that reports the true type in 95 of 100 detections."""
+    before = table_prior(objects=objects, regions=regions)
     return before.model_copy(update={"noise": before.noise.model_copy(update={"type_right": 0.95} | noise)})
 
 
@@ -247,7 +247,7 @@ def example(p_heavy: float = 0.316, p_exists: float = 0.1, log_weight_sd: float 
     Args:
         p_heavy: P(weight >= 400 g) of an arbitrary object.
         p_exists: P(there is a heavy green can in the region).
-        log_weight_sd: Of an arbitrary object.
+        log_weight_sd: Sd of ln(kg) of an arbitrary object.
     """
     log_kg = (math.log(median_kg(p_heavy, log_weight_sd)), log_weight_sd)
 
@@ -287,15 +287,15 @@ def _match(belief: TableBelief) -> float:
 
 @cache
 def rehearsed(name: str = "example") -> tuple[Play, tuple[str, ...]]:
-    """Return a finished play and the operators it carried out; read it, do not change it."""
+    """Return a finished play and its executed operators; do not change the play."""
     play = searching() if name == "searching" else example()
-    if name == "example heavy":  # o2 turns out to be what is meant
+    if name == "example heavy":  # o2 turns out to be the denoted object
         play.log_kg["o2"] = math.log(0.5)
     return play, tuple(play.run())
 
 
 def plans(play: Play, *causes: str) -> list[Plan]:
-    """Return the changes of the plan stack, those of some causes if any are given."""
+    """Return the changes of the plan stack; only those of the given causes, if there are any."""
     return [plan for turn in play.turns for plan in turn.plans if not causes or plan.cause in causes]
 
 

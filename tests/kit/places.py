@@ -1,4 +1,4 @@
-"""Where a checkout keeps what tests read."""
+"""Folders of a checkout that tests read."""
 
 from pathlib import Path
 from typing import Final

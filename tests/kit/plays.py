@@ -1,4 +1,4 @@
-"""A stage for the reasoner: every action does what it should, looks and weighings show what the play says."""
+"""A stage for the reasoner: every action succeeds, and the play states the results of looks and weighings."""
 
 from collections.abc import Callable, Iterator
 
@@ -14,13 +14,13 @@ RED, GREEN, BLUE = 0.99, 0.33, 0.63
 
 
 class Play:
-    """An agent in a world in which every action does what it should.
+    """An agent in a world in which every action succeeds.
 
     Attributes:
-        hues: What a look shows of the colour of an object.
-        log_kg: What a weighing shows, ln(kg).
-        found: What a look at a region shows: new objects by anchor.
-        shows_type: What a look shows of an object's type.
+        hues: Hue of an object after a look.
+        log_kg: Weight of an object after a weighing, ln(kg).
+        found: New objects, by anchor, after a look at a region.
+        shows_type: Function from an anchor to its type belief after a look.
         fails: Operators that change nothing.
     """
 
@@ -60,7 +60,7 @@ class Play:
         raise AssertionError("the agent never ended")
 
     def run(self) -> list[str]:
-        """Return the operators carried out."""
+        """Carry out all actions, and return their operators."""
         return [turn.action.op for turn in self.turns_to_the_end() if turn.action is not None]
 
     def carry_out(self, turn: Turn) -> None:

@@ -1,4 +1,4 @@
-"""Goals posed of beliefs in a few things on two tables, drawn by hypothesis."""
+"""Goals posed of beliefs in a few objects on two tables, drawn by hypothesis."""
 
 import math
 
@@ -13,9 +13,10 @@ ONE_WORD = "exists o. B(Den(lambda x. Soda(x), o), 0.9)"
 
 @st.composite
 def scenes(draw: st.DrawFn, most: int = 4, fine: bool = False) -> PosedGoal:
-    """A goal posed of a belief in some things on two tables, one perhaps in a hand, one in the way of another.
+    """Draw a goal posed of a belief in some objects on two tables.
 
-    Probabilities are a few round ones, or, if `fine`, any from .88 on.
+    One object may be in a hand, and one in the way of another. Probabilities are round ones or, if `fine`, any from .88
+    on.
     """
     share = st.integers(880, 999).map(lambda k: k / 1000) if fine else st.sampled_from([0.05, 0.3, 0.6, 0.9, 0.99])
     things = {name: Thing({"table": 1.0}, pose_sd=draw(st.sampled_from([0.004, 0.03]))) for name in ("desk", "side")}

@@ -1,4 +1,4 @@
-"""Traces of whole runs on disk, each made once, and copies of them that were tampered with."""
+"""Traces of whole runs on disk, each recorded once, and edited copies of them."""
 
 import tempfile
 from collections.abc import Callable, Iterable
@@ -13,12 +13,12 @@ from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import JSON_TOPICS, Message
 
-_FOLDER = tempfile.TemporaryDirectory()  # gone when the tests are over
+_FOLDER = tempfile.TemporaryDirectory()  # removed after the tests
 
 
 @cache
 def recorded(name: str, seed: int = 0, world: str = "symbolic", overrides: tuple[str, ...] = ()) -> Path:
-    """Return the trace of a run of a scenario file, made at the first call."""
+    """Return the trace of a run of a scenario file, recorded at the first call."""
     path = Path(_FOLDER.name) / f"{name}-{seed}-{world}-{abs(hash(overrides))}.mcap"
     run(prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world), path)
     return path

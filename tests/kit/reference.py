@@ -1,7 +1,7 @@
-"""The reference regressor: the rule instances and the search once more, in plain Python, for small problems.
+"""The reference regressor: a second version of rule instances and search, in plain Python, for small problems.
 
-It shares with the product the terms, the fluents' relations (`patterns`) and the belief queries, and nothing else: no
-rule file, no clingo, no memo, no order among equals. Slow and short on purpose.
+It shares only the terms, the fluents' relations (`patterns`) and the belief queries with the product. It has no rule
+file, no clingo, no memo and no order among equals. It is slow and short on purpose.
 """
 
 import heapq
@@ -40,7 +40,7 @@ class Reference:
         self.q = queries
 
     def instances(self, fluent: Term) -> list[Instance]:
-        """Return every instance that achieves a fluent, those that rules reject left out, sorted by text."""
+        """Return every instance that achieves a fluent and that no rule rejects, sorted by text."""
         return sorted(self._all(fluent), key=lambda i: str(i.step))
 
     def _all(self, fluent: Term) -> Iterator[Instance]:
@@ -143,7 +143,7 @@ class Reference:
         return self._made(step, [fluent], needs, costs, operation=compound("look_at", seen), executes=step)
 
     def _count(self, fluent: Term) -> int:
-        """Return how many looks or weighings are one step; a pose is looked at once."""
+        """Return the number of looks or weighings in one step; it is 1 for a pose."""
         match fluent:
             case Compound("bn", (Compound("colour" | "weight" as quantity, (str(o),)), mean, sigma, delta, _)):
                 return int(str(self.q.observations(quantity, o, mean, sigma, delta)))
@@ -244,7 +244,7 @@ class Reference:
         )
 
     def _in_front(self, hand: str, o: Term, activity: Term) -> list[Term]:
-        """Return what stands in the way of an activity and before `o`, but for what `o` stands before in turn."""
+        """Return the blockers of an activity that stand before `o`, without those that `o` stands before in turn."""
         row = self.q.blockers(activity)
         before = {
             each: [x for x in self.q.blockers(compound("pick", hand, each)) if x in row and x != each] for each in row
@@ -286,7 +286,7 @@ class UnfinishedError(Exception):
 
 
 def offered(goal: Subgoal, instances: Callable[[Term], Sequence[Instance]]) -> list[Instance]:
-    """Return every step that achieves some fluent of a conjunction: once, for all that it achieves."""
+    """Return every step that achieves some fluent of a conjunction, once with all its results."""
     found: dict[Term, Instance] = {}
     for instance in (i for fluent in goal for i in instances(fluent)):
         found[instance.step] = found[instance.step].merged(instance) if instance.step in found else instance
@@ -302,10 +302,12 @@ def cheapest(
     dearest: int,
     patience: int = 100_000,
 ) -> int | None:
-    """Return the least cost of a plan for one of the roots: every step for every fluent, in every order.
+    """Return the least cost of a plan for one of the roots; None if there is none.
+
+    The search tries every step for every fluent, in every order.
 
     Raises:
-        UnfinishedError: If more than `patience` conjunctions had to be looked at.
+        UnfinishedError: If more than `patience` conjunctions are expanded.
     """
     order = itertools.count()
     queue = [(0, next(order), root) for root in roots]
@@ -327,7 +329,7 @@ def cheapest(
 
 
 def regressed(step: Instance, level: int, goal: Subgoal, mutexes: Mutexes) -> Subgoal | None:
-    """Return what must hold before a step so that the goal holds after it; None if there is no such thing."""
+    """Return the fluents that must hold before a step so that the goal holds after it; None if there are none."""
     rest = {f for f in goal if not any(entails(r, f) for r in step.results)}
     now = {f for f, at in step.preconditions if at <= level}
     later = {f for f, at in step.preconditions if at > level}

@@ -8,11 +8,11 @@ from skolem.traces.messages import Meaning
 
 BOOK = Rulebook.load(Queries)
 WORDS = BOOK.vocabulary.words()
-ROUNDING = 1e-12  # absolute; a hundred operations of 1e-16 each, with room
+ROUNDING = 1e-12  # absolute; a hundred operations of 1e-16 each, and a reserve
 
 
 class Table:
-    """A belief that is a table: `P(word(anchor))`, `P(on(anchor, support))`, `P(exists)`; 0 where nothing is said."""
+    """A belief as a table of `P(word(anchor))`, `P(on(anchor, support))` and `P(exists)`; missing relations have 0."""
 
     def __init__(
         self,

@@ -1,8 +1,8 @@
-"""Whole runs of the scenario files, each done once and read by every item that asks for it.
+"""Whole runs of the scenario files; each is executed once and read by several tests.
 
-A `Run` is the recorded messages of one trace in memory. Assertions are about rows: operators, anchors, levels, plans
-that were given up and why; never about joint values. The figures over hundreds of seeds come from `skolem sweep` and
-stand in docs/results.md; the seeds here are few, so that the tests stay short.
+A `Run` holds the recorded messages of one trace in memory. Assertions are about rows (operators, anchors, levels, given
+up plans and the reasons), never about joint values. The figures over hundreds of seeds come from `skolem sweep` and
+stand in docs/results.md. The tests run few seeds, so that they stay short.
 """
 
 import re
@@ -42,15 +42,15 @@ class Run:
     """The messages of one run.
 
     Attributes:
-        actions: What was done; `op` is the row's text, `args` the anchors.
-        results: What the joints said of it, one for each action.
-        observations: What was seen or felt, one for each action.
-        beliefs: Before each decision; one more than actions.
-        plans: The plan stack whenever it changed.
+        actions: The executed actions; `op` is the row's text, `args` the anchors.
+        results: The result of each action by the joints.
+        observations: The observation after each action.
+        beliefs: The belief before each decision; one more than actions.
+        plans: The plan stack after each change.
         decisions: Every search.
         questions: Every geometric question.
-        truths: The world after so many actions; one more than actions.
-        end: Why it ended.
+        truths: The true world before the first and after each action; one more than actions.
+        end: The reason of the end.
         verdict: Whether the goal is true in the world.
     """
 
@@ -67,12 +67,12 @@ class Run:
 
     @property
     def operators(self) -> list[str]:
-        """The rows: operators with their anchors, in order."""
+        """The rows, which are operators with their anchors, in order."""
         return [action.op for action in self.actions]
 
     @property
     def achieved(self) -> bool:
-        """Whether the robot believes its goal achieved."""
+        """Whether the robot believes that its goal is achieved."""
         return self.end.status == "goal_achieved"
 
     def named(self, operator: str) -> list[str]:
@@ -80,20 +80,20 @@ class Run:
         return [action.args[0] for action in self.actions if action.op.startswith(f"{operator}(")]
 
     def where(self, operator: str) -> int:
-        """Return the number of the first action whose row begins so."""
+        """Return the number of the first action whose row begins with a text."""
         return next(i for i, row in enumerate(self.operators) if row.startswith(operator))
 
     def top_plans(self) -> dict[int, tuple[str, ...]]:
-        """Return the plans made for the goal itself, by the number of the action that was to be next."""
+        """Return the plans for the goal itself, by the number of the action after each."""
         started = [plan for plan in self.plans if plan.cause == "start"]
         return {plan.step: tuple(step.op for step in plan.layers[0]) for plan in started}
 
     def given_up(self) -> list[Plan]:
-        """Return every time the stack was popped to the top because no pre-image held."""
+        """Return the changes that popped the stack to the top because no pre-image held."""
         return [plan for plan in self.plans if plan.cause == "preimage_lost" and not plan.layers]
 
     def asked(self, activity: str, anchor: str) -> list[Geometry]:
-        """Return the geometric questions about an activity with an object, whichever hand is to do it, in order."""
+        """Return the geometric questions about an activity with an object, by any hand, in order."""
         return [question for question in self.questions if _about(question) == (activity, anchor)]
 
     def known(self) -> tuple[str, ...]:
@@ -102,14 +102,14 @@ class Run:
 
 
 def _about(question: Geometry) -> tuple[str, str]:
-    """Return the activity of a question like `ready pick(left, sodaC)`, and the object or region it begins with."""
+    """Return the activity of a question like `ready pick(left, sodaC)`, and its first object or region."""
     _, activity, *args = re.findall(r"\w+", question.query)
     return activity, next(arg for arg in args if arg not in HANDS)
 
 
 @cache
 def ran(name: str, seed: int = 0, world: str = "symbolic", overrides: tuple[str, ...] = ()) -> Run:
-    """Return a run of a scenario file, done at the first call."""
+    """Return a run of a scenario file, executed at the first call."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.mcap"
         setup = prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world)
@@ -136,17 +136,17 @@ def over(name: str, seeds: Iterable[int]) -> list[Run]:
 
 
 def with_physics(name: str) -> Run:
-    """Return the one run of a scenario with the physics engine; other seeds are run by `skolem sweep`."""
+    """Return the one run of a scenario with the physics engine; `skolem sweep` runs other seeds."""
     return ran(name, 1, "pybullet")
 
 
 def distinct_successes(runs: Iterable[Run]) -> set[tuple[str, ...]]:
-    """Return the different sequences of operators that ended with a goal believed achieved, and true."""
+    """Return the different sequences of operators of runs whose goal is believed achieved and is true."""
     return {tuple(one.operators) for one in runs if one.achieved and one.verdict.true}
 
 
 class Stage:
-    """The robot before a table in the physics engine, led by hand; all is exact unless a noise model is given."""
+    """The robot before a table in the physics engine; tests give the commands. Without a noise model all is exact."""
 
     def __init__(self, things: list[TrueBody], noise: NoiseModel = EXACT, seed: int = 0) -> None:
         from skolem.sim.physics.pybullet import PyBulletWorld
@@ -167,7 +167,7 @@ class Stage:
         return found
 
     def thing(self, name: str) -> TrueObject:
-        """Return what an object truly is and where."""
+        """Return the true body of an object."""
         return thing_in(self.world.state(self.step), name)
 
 

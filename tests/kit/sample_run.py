@@ -27,7 +27,7 @@ TICKS_PER_STEP = 480
 
 
 def record(path: Path, steps: int = 3, profile: bool = False, wall_ms: float = 1.0, last_words: bool = True) -> str:
-    """Record `steps` looks and return the content hash; without last words the run has no end record of its own."""
+    """Record `steps` looks and return the content hash; without last words, the trace has no end record of the run."""
     writer = TraceWriter(
         path,
         attachments={"scenario.yaml": SCENARIO} | {f"rules/{name}": text for name, text in RULES.items()},
@@ -51,7 +51,7 @@ def run_start() -> RunStart:
     return RunStart(
         scenario="sample",
         scenario_sha256=sha256(SCENARIO).hexdigest(),
-        rules_sha256={name: sha256(RULES[name]).hexdigest() for name in set(RULES)},  # a set: any order
+        rules_sha256={name: sha256(RULES[name]).hexdigest() for name in set(RULES)},  # a set has no fixed order
         robot_sha256="00",
         world="symbolic",
         seed=7,
@@ -62,7 +62,7 @@ def run_start() -> RunStart:
 
 def record_step(writer: TraceWriter, step: int, wall_ms: float = 1.0) -> None:
     tick = step * TICKS_PER_STEP
-    likelihood = {name: -len(name) / 7 for name in {"soda", "bottle", "table"}}  # a set: any order
+    likelihood = {name: -len(name) / 7 for name in {"soda", "bottle", "table"}}  # a set has no fixed order
     seen = Detection(
         base_T_object=(1 / 3 + step, 0.1, 0.7, 0.0),
         covariance=(1e-4, 0.0, 0.0, 1e-4, 0.0, 1e-2),

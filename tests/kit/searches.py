@@ -1,4 +1,4 @@
-"""A table with a region above it and a camera without errors that may be anywhere: what the tests of regions share."""
+"""A table with a region above it, and an exact camera that may be anywhere, shared by the tests of regions."""
 
 import math
 from collections.abc import Sequence
@@ -42,13 +42,13 @@ REGION = "_reg1_"
 GREEN_RGB = (0.08, 0.64, 0.08)
 
 
-def told(
+def table_prior(
     table: Pose4 = TABLE,
     objects: Sequence[PriorObject] = (),
     regions: Sequence[PriorRegion] | None = None,
     types: dict[str, float] | None = None,
 ) -> Prior:
-    """Return a prior: a table known well, things on it, and by default one region above it."""
+    """Return a prior with a table at an almost exact pose, objects on it, and by default one region above it."""
     region = PriorRegion(anchor=REGION, support="table1", height_m=0.3, expected_objects=0.5)
     return Prior(
         world_T_base=(0.0, 0.0, 0.0),
@@ -68,7 +68,7 @@ def told(
 def thing(
     anchor: str, kind: str, world_T_object: Pose4, sd_m: float = 0.001, support: str | None = "table1"
 ) -> PriorObject:
-    """Return what the robot is told of a thing of known type."""
+    """Return the prior of an object of known type."""
     return PriorObject(
         anchor=anchor,
         type={kind: 1.0},
@@ -89,13 +89,13 @@ class Searcher:
         self.step = 0
 
     def look(self, eye: Point, at: Point = MIDDLE, found: bool = True) -> None:
-        """Take a picture and report everything in sight, or overlook all of it."""
+        """Take in a look from `eye` that detects all graspable objects in sight, or none of them."""
         frame = looking(eye, at)
         seen = [solid for solid in self.solids if found and solid.type.graspable and self._sees(frame, solid)]
         self.report(depth_view(frame, self.solids, frame), [detection(solid) for solid in seen])
 
     def report(self, view: DepthView, detections: Sequence[Detection] = (), robot: RobotState = ROBOT) -> None:
-        """Feed the belief with a look that shows this."""
+        """Take in a look with a depth image and detections."""
         self.belief.update(
             Action(step=self.step, op="look", args=(), command=LookAt(pan=0.0, tilt=0.0)),
             ActionResult(step=self.step, status="done", robot=robot),
@@ -108,7 +108,7 @@ class Searcher:
 
 
 def detection(solid: Solid) -> Detection:
-    """Return the detection of a solid where it is."""
+    """Return the detection of a solid at its true place."""
     x, y, z, _ = solid.base_T_solid
     kind = next(name for name, known in TYPES.items() if known == solid.type)
     return Detection(

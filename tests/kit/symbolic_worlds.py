@@ -1,4 +1,4 @@
-"""A world without physics with two tables and two things, and beliefs in it: what tests of it share."""
+"""A world without physics with two tables and two objects, and beliefs about it, shared by tests."""
 
 import math
 from collections.abc import Sequence
@@ -58,7 +58,7 @@ BODIES = (
     TrueBody("green", "soda", (1.05, 0.1, 0.68, 0.3), (0.33, 0.9, 0.8), 0.35),
     TrueBody("red", "carton", (1.1, -0.3, 0.68, 0.3), (0.99, 0.9, 0.8), 0.5),
 )
-DRIVE = MoveBase(start_T_waypoint=((0.43, 0.1, 0.0),))  # to where a hand reaches the green can
+DRIVE = MoveBase(start_T_waypoint=((0.43, 0.1, 0.0),))  # ends where a hand reaches the green can
 
 
 def world(noise: NoiseModel = EXACT, seed: int = 0, bodies: Sequence[TrueBody] = BODIES) -> SymbolicWorld:
@@ -74,7 +74,7 @@ def thing(there: SymbolicWorld, name: str) -> TrueObject:
 
 
 def picking(x: float, y: float, hand: Hand = "right") -> Pick:
-    """Return a pick of a can planned to stand at (x, y) on table1, from where DRIVE ends."""
+    """Return a pick of a can at (x, y) on table1 (metres, world frame), from the end of DRIVE."""
     tool: Pose4 = (x - 0.43, y - 0.1, 0.75, 0.0)
     joints = reach(hand, 0.2, tool)
     assert joints is not None
@@ -85,7 +85,7 @@ def picking(x: float, y: float, hand: Hand = "right") -> Pick:
 
 
 def belief_of(there: SymbolicWorld, held: Pose4 | None = None) -> Belief:
-    """Return a belief that is the truth."""
+    """Return a belief equal to the truth."""
     state = there.state(0)
     return Belief(
         step=0,

@@ -1,4 +1,4 @@
-"""What the tests of sensing and of the simulated world share: types, noise models, a camera over a table, a grasp."""
+"""Types, noise models, a camera over a table and a grasp, shared by the tests of sensing and of the simulated world."""
 
 import colorsys
 import math
@@ -51,7 +51,7 @@ Placed = tuple[str, Pose4, tuple[float, float, float]]  # type, world_T_object, 
 
 
 def looking(eye: tuple[float, float, float], at: tuple[float, float, float]) -> Frame:
-    """Return a camera frame at `eye` that looks `at` a point, level."""
+    """Return a level camera frame at `eye` that looks at a point (metres)."""
     forward = np.subtract(at, eye) / math.dist(at, eye)
     left = np.cross([0.0, 0.0, 1.0], forward)
     left /= np.linalg.norm(left)
@@ -63,7 +63,7 @@ TABLE: Placed = ("table", (1.1, 0.0, 0.0, 0.0), (0.08, 0.46, 0.65))
 
 
 def picture(things: list[Placed], frame: Frame = HEAD) -> camera.Image:
-    """Return a rendering of things on a floor, without a robot."""
+    """Return a rendering of objects on a floor, without a robot."""
     client = bodies.connect()
     bodies.floor(client)
     for name, world_T_object, hsv in things:
@@ -74,7 +74,7 @@ def picture(things: list[Placed], frame: Frame = HEAD) -> camera.Image:
 
 
 def seen_cloud(things: list[Placed], noise: NoiseModel, step: int = 0, frame: Frame = HEAD) -> Cloud:
-    """Return the noisy cloud of things on a floor; base and world are one frame."""
+    """Return the noisy cloud of objects on a floor; the base frame is the world frame."""
     image = picture(things, frame)
     depth = noisy_depth(image.depth, noise.depth_sd_scale, stream(0, step, Purpose.DEPTH))
     error = extrinsic_error(noise, stream(0, step, Purpose.EXTRINSICS))
@@ -85,17 +85,17 @@ NO_ERROR = Extrinsics(np.eye(3), np.zeros(3))
 
 
 def near_table(*things: TrueBody) -> list[TrueBody]:
-    """Return things and the table before the robot that they stand on."""
+    """Return the table in front of the robot and some objects."""
     return [TrueBody("table1", "table", (0.85, 0.0, 0.0, 0.0), (0.08, 0.46, 0.65), 20.0), *things]
 
 
 def can(x: float = 0.6, y: float = -0.2, name: str = "can1") -> TrueBody:
-    """Return a green can of 350 g on that table."""
+    """Return a green can of 350 g on the table in front of the robot."""
     return TrueBody(name, "soda", (x, y, TABLE_M, 0.0), GREEN, 0.35)
 
 
 def pick_at(robot: RobotState, base_T_object: Pose4, above_m: float = 0.065, hand: Hand = "right") -> Pick:
-    """Return a level grasp along x, from 12 cm before an object to 12 cm above its place."""
+    """Return a pick with a level grasp along x, from 12 cm before an object to 12 cm above its place."""
     start = np.array(robot.right_arm if hand == "right" else robot.left_arm)
     base_T_tool = (base_T_object[0], base_T_object[1], base_T_object[2] + above_m, 0.0)
     at, level = np.array(base_T_tool[:3]), rotation(0.0)
@@ -118,7 +118,7 @@ def pick_at(robot: RobotState, base_T_object: Pose4, above_m: float = 0.065, han
 
 
 def put_back(pick: Pick) -> Place:
-    """Return the way back of a pick, from the end of its lift."""
+    """Return the place that reverses a pick, from the end of its lift."""
     return Place(
         hand=pick.hand,
         approach=(),

@@ -1,4 +1,4 @@
-"""Traces changed by hand, as a sound container: what remains to notice is what the trace says of itself."""
+"""Edited traces in a sound container, so that only the content of the trace can reveal the edit."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,7 +13,7 @@ Edit = Callable[[list[object]], list[object]]
 
 
 def rewrite(source: Path, target: Path, edit: Edit) -> Path:
-    """Write `source` again with its records edited: header, metadata, attachments, schemas, channels and messages."""
+    """Write a copy of `source` with edited records: header, metadata, attachments, schemas, channels and messages."""
     with Copy(target, CHUNK_BYTES) as copy:
         for record in edit(records_of(source)):
             copy.add(record)
@@ -21,7 +21,7 @@ def rewrite(source: Path, target: Path, edit: Edit) -> Path:
 
 
 def records_of(path: Path) -> list[object]:
-    """Return the records of a trace in file order, chunks opened."""
+    """Return the records of a trace in file order, with those inside of chunks."""
     found: list[object] = []
     with path.open("rb") as file:
         for piece in pieces(file):
@@ -32,7 +32,7 @@ def records_of(path: Path) -> list[object]:
 
 
 def messages(edit: Callable[[list[Message]], list[Message]]) -> Edit:
-    """Edit the messages alone."""
+    """Return an edit of the messages alone."""
 
     def whole(records: list[object]) -> list[object]:
         found = [record for record in records if isinstance(record, Message)]
@@ -42,10 +42,10 @@ def messages(edit: Callable[[list[Message]], list[Message]]) -> Edit:
 
 
 def renumbered(found: list[Message]) -> list[Message]:
-    """Return messages of one counter with the counter gap-free again, as somebody who hides a change would."""
+    """Return messages of one counter, numbered again without gaps, so that the change is hidden."""
     return [replace(message, sequence=number) for number, message in enumerate(found)]
 
 
 def each(kind: type[object], change: Callable[..., object]) -> Edit:
-    """Change every record of one kind."""
+    """Return an edit that changes every record of one kind."""
     return lambda records: [change(record) if isinstance(record, kind) else record for record in records]

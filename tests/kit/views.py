@@ -1,4 +1,4 @@
-"""Runs to look at, the rows of what is drawn of them, and what a machine needs to draw."""
+"""Runs to view, the numbers of their drawn rows, and the requirements of drawing."""
 
 import shutil
 from collections import Counter
@@ -18,7 +18,7 @@ from skolem.traces.scene.recording import Scene
 
 DRIVERS = (Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d"))
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-PICTURES = SCENARIOS.parent / "out" / "ci"  # what continuous integration keeps
+PICTURES = SCENARIOS.parent / "out" / "ci"  # folder that continuous integration keeps
 
 
 def filmed(path: Path, name: str, steps: int) -> Trace:
@@ -29,7 +29,7 @@ def filmed(path: Path, name: str, steps: int) -> Trace:
 
 
 def eye_of(trace: Trace) -> Eye:
-    """Return the eye with which a run is first looked at."""
+    """Return the eye of the first view of a run."""
     scene = Scene(rr.RecordingStream("test"), pr2_model())
     scene.survey(trace)
     assert scene.eye is not None, "the run has no belief"
@@ -37,7 +37,7 @@ def eye_of(trace: Trace) -> Eye:
 
 
 def rows_of(recording: Path) -> dict[str, int]:
-    """Return how many rows a rerun recording holds of each entity."""
+    """Return the number of rows of each entity in a rerun recording."""
     count: Counter[str] = Counter()
     for chunk in RrdReader(recording).stream().to_chunks():
         count[chunk.entity_path.lstrip("/")] += chunk.num_rows
@@ -45,12 +45,12 @@ def rows_of(recording: Path) -> dict[str, int]:
 
 
 def need_driver() -> None:
-    """Skip the test where nothing can be drawn."""
+    """Skip the test on a machine that cannot draw."""
     if not any(True for folder in DRIVERS for _ in folder.glob("*.json")):
         missing("a Vulkan driver, such as the package mesa-vulkan-drivers")
 
 
 def need_browser() -> str:
-    """Return the browser's command; skip the test where there is none."""
+    """Return the browser's command; skip the test on a machine without a browser."""
     found = next(filter(None, map(shutil.which, BROWSERS)), None)
     return found or missing("a browser, such as the package chromium")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from kit.papers import shipped, with_own_rules
-from kit.searches import told
+from kit.searches import table_prior
 
 from skolem.estimation.belief import Belief
 from skolem.reasoner.rulebook.book import Rulebook
@@ -22,7 +22,7 @@ def prob_heavy(grams: float, book: Rulebook) -> float:
         sd_theta_rad=1.0,
         log_weight=(math.log(grams / 1000.0), (1e-4) ** 2),
     )
-    return Belief(told(objects=[thing])).prob_property("o", book.vocabulary.meanings["heavy"])
+    return Belief(table_prior(objects=[thing])).prob_property("o", book.vocabulary.meanings["heavy"])
 
 
 @pytest.mark.parametrize(("grams", "heavy"), [(399.0, 0.0), (401.0, 1.0), (5000.0, 1.0)])

@@ -2,7 +2,7 @@
 
 import pytest
 from kit.papers import colour, green
-from kit.searches import told
+from kit.searches import table_prior
 
 from skolem.estimation.belief import Belief
 from skolem.traces.messages import HsvBelief, HsvVolume, PriorObject
@@ -12,7 +12,7 @@ ALL = (0.0, 1.0)
 
 
 def coloured(mean: Triple, sd: Triple) -> Belief:
-    """A belief in one object of which a colour is told."""
+    """Return a belief in one object whose prior states a colour."""
     h, s, v = sd
     thing = PriorObject(
         anchor="o",
@@ -22,7 +22,7 @@ def coloured(mean: Triple, sd: Triple) -> Belief:
         sd_theta_rad=1.0,
         colour=HsvBelief(mean=mean, variance=(h * h, s * s, v * v)),
     )
-    return Belief(told(objects=[thing]))
+    return Belief(table_prior(objects=[thing]))
 
 
 def test_a_colour_word_is_the_mass_in_a_box() -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 from kit.draws import examples
 from kit.papers import denotes, shipped
-from kit.searches import told
+from kit.searches import table_prior
 
 from skolem.estimation.belief import Belief
 from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Name, Or, Variable, constant_of
@@ -38,7 +38,7 @@ def beliefs(draw: st.DrawFn) -> Belief:
     """A belief in a table and two things that may stand on it."""
     share = st.floats(0.05, 0.95)
     things = [believed(a, draw(share), draw(share), draw(st.floats(0.42, 0.5))) for a in ("a", "b")]
-    return Belief(told(objects=things, regions=()))
+    return Belief(table_prior(objects=things, regions=()))
 
 
 def probability(fact: Fact, belief: Belief) -> float:
@@ -128,7 +128,7 @@ def test_eval_is_the_probability_where_no_fact_occurs_twice(text: str, belief: B
 
 def test_tables_by_hand() -> None:
     """ "eval(e1, b) + eval(e2, b) - eval(e1, b) eval(e2, b)." """
-    belief = Belief(told(objects=[believed("a", 0.8, 0.35, 0.0), believed("b", 0.4, 0.63, 0.0)], regions=()))
+    belief = Belief(table_prior(objects=[believed("a", 0.8, 0.35, 0.0), believed("b", 0.4, 0.63, 0.0)], regions=()))
     soda, exist = {"a": 0.8, "b": 0.4}, 0.99
     green = {a: belief.prob_property(a, shipped().vocabulary.meanings["green"]) for a in belief.anchors()}
     either = {a: soda[a] + green[a] - soda[a] * green[a] for a in soda}
@@ -151,7 +151,7 @@ def test_a_relation_inside_a_quantifier_ranges_over_the_universe() -> None:
         believed("a", 1.0, 0.35, -2.0, on="red_table"),
         believed("b", 1.0, 0.35, 2.0, on="blue_table"),
     ]
-    belief = Belief(told(objects=things, regions=()))
+    belief = Belief(table_prior(objects=things, regions=()))
     values = denotes("lambda x. Soda(x) & exists y. (On(x, y) & Red(y))", belief)
     red = belief.prob_property("red_table", shipped().vocabulary.meanings["red"])
     assert values["a"] == pytest.approx(0.99 * 0.99 * belief.prob_on("a", "red_table") * red, abs=1e-6)
@@ -160,5 +160,5 @@ def test_a_relation_inside_a_quantifier_ranges_over_the_universe() -> None:
 
 def test_a_property_that_is_said_twice_counts_twice() -> None:
     """ "Making strong independence assumptions": kept as printed, also where it double counts."""
-    belief = Belief(told(objects=[believed("a", 0.8, 0.35, 0.0)], regions=()))
+    belief = Belief(table_prior(objects=[believed("a", 0.8, 0.35, 0.0)], regions=()))
     assert denotes("lambda x. Soda(x) & Soda(x)", belief)["a"] == pytest.approx(0.99 * 0.64)

@@ -1,14 +1,14 @@
 """C20: regions are a spatial structure of their own, of which some is seen and some is not."""
 
 from kit.papers import at_five_percent, can
-from kit.searches import BACK, FRONT, LEFT, REGION, RIGHT, TOP, Point, Searcher, thing as known, told
+from kit.searches import BACK, FRONT, LEFT, REGION, RIGHT, TOP, Point, Searcher, table_prior, thing as known
 
 SCREEN = (1.1, 0.0, TOP, 0.0)
 
 
 def behind_a_screen() -> Searcher:
     """A robot that knows of a screen across the middle of its table."""
-    return Searcher(told(objects=[known("screen1", "screen", SCREEN)]), [("screen", SCREEN)])
+    return Searcher(table_prior(objects=[known("screen1", "screen", SCREEN)]), [("screen", SCREEN)])
 
 
 def test_regions_have_anchors_and_are_not_objects() -> None:
@@ -22,7 +22,7 @@ def test_regions_have_anchors_and_are_not_objects() -> None:
 
 def test_contents_rise_by_what_a_look_really_shows() -> None:
     """ "Regions of space that have not previously been explored." """
-    free, screened = Searcher(told()), behind_a_screen()
+    free, screened = Searcher(table_prior()), behind_a_screen()
     for robot in (free, screened):
         assert robot.belief.prob_contents(REGION) == 0.0
         robot.look(FRONT)

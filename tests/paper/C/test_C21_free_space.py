@@ -2,12 +2,12 @@
 
 import pytest
 from kit.papers import at_five_percent, can
-from kit.searches import BACK, FRONT, LEFT, REGION, RIGHT, TOP, Searcher, thing as known, told
+from kit.searches import BACK, FRONT, LEFT, REGION, RIGHT, TOP, Searcher, table_prior, thing as known
 
 
 def test_space_seen_empty_makes_it_less_likely_that_something_is_hidden_there() -> None:
     """ "Updates its belief, which may include reasoning about free space." """
-    robot = Searcher(told())
+    robot = Searcher(table_prior())
     exists = [robot.belief.prob_exists_in(REGION, 0.5)]
     for eye in (FRONT, LEFT, RIGHT, BACK):
         robot.look(eye)
@@ -40,7 +40,7 @@ def test_an_object_that_may_be_hidden_keeps_its_existence() -> None:
 
 def test_what_is_seen_and_was_not_known_is_added() -> None:
     """ "And the addition of newly postulated objects to its representation." """
-    robot = Searcher(told(), [("soda", (1.0, 0.1, TOP, 0.0))])
+    robot = Searcher(table_prior(), [("soda", (1.0, 0.1, TOP, 0.0))])
     before = robot.belief.prob_exists_in(REGION, 1.0)
     robot.look(FRONT)
     assert robot.belief.anchors() == ("table1", "_o1_")

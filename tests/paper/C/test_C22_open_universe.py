@@ -2,7 +2,7 @@
 
 from kit.papers import GREEN_SODA, denotes, plans, posed, rehearsed
 from kit.runs import ran
-from kit.searches import FRONT, TOP, Searcher, told
+from kit.searches import FRONT, TOP, Searcher, table_prior
 
 
 def test_the_universe_grows_during_a_run() -> None:
@@ -20,7 +20,7 @@ def test_the_universe_grows_during_a_run() -> None:
 
 def test_the_goal_ranges_over_new_objects_at_once() -> None:
     """ "exists o": over every object that the robot knows of by then."""
-    robot = Searcher(told(), [("soda", (1.0, 0.1, TOP, 0.0))])
+    robot = Searcher(table_prior(), [("soda", (1.0, 0.1, TOP, 0.0))])
     assert denotes("lambda x. exists y. (Green(y) & Soda(y))", robot.belief)["table1"] < 0.01
     about = [{str(f) for root in posed(GREEN_SODA, robot.belief).instantiations for f in root}]
     robot.look(FRONT)

@@ -3,7 +3,7 @@
 import pytest
 from kit.papers import STANDS, at_five_percent, can
 from kit.runs import Run, with_physics
-from kit.searches import BACK, FRONT, REGION, Searcher, told
+from kit.searches import BACK, FRONT, REGION, Searcher, table_prior
 
 SCREEN = ("screen", (0.85, 0.0, 0.7, 0.0))  # between FRONT and STANDS
 
@@ -19,7 +19,7 @@ def test_an_object_behind_a_box_is_not_detected_and_not_believed_absent() -> Non
 
 def test_space_behind_a_box_stays_unseen_until_it_is_looked_at_from_elsewhere() -> None:
     """ "Searching the space around it ... in the presence of substantial occlusion"."""
-    searcher = Searcher(told(), [SCREEN])
+    searcher = Searcher(table_prior(), [SCREEN])
     for _ in range(3):
         searcher.look(FRONT)
     behind = searcher.belief.snapshot(0).regions[REGION]
