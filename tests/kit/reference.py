@@ -53,16 +53,23 @@ class Reference:
                 yield self._made(step, [fluent], needs, immediate=True)
             case Compound("b", (Compound("supposed" | "prop" as kind, (str(k), o)), int(p))):
                 yield from self._infer(fluent, kind, k, o, p)
-            case Compound("b", (Compound("type", (str(o), str(k))), int(p))) if self.q.rigid(o):
+            case Compound("b", (Compound("type" | "exists", (o, *_)), _)) if not self.q.rigid(o):
+                yield self._look(o, fluent, o, [])
+            case Compound("bn", (Compound("colour" | "pose", (o,)), _, _, _, _)) if not self.q.rigid(o):
+                yield self._look(o, fluent, o, [])
+            case Compound("bn", (Compound("weight", (o,)), _, _, _, _)) if not self.q.rigid(o):
+                needs = [(compound("krd", o), 0), (compound("held", "right", o), 1)]
+                yield self._made(compound("weigh", o), [fluent], needs, executes=compound("weigh", o))
+            case Compound("b", (Compound("type", (str(o), str(k))), int(p))):
                 yield self._look(
                     o, fluent, o, [(t("b(type({o},{k}),{p})", o=o, k=k, p=self.q.before_reading(o, k, p)), 0)]
                 )
-            case Compound("b", (Compound("exists", (str(o),)), _)) if self.q.rigid(o):
+            case Compound("b", (Compound("exists", (str(o),)), _)):
                 yield self._look(o, fluent, o, [])
-            case Compound("bn", (Compound("colour" | "pose" as quantity, (str(o),)), _, _, _, _)) if self.q.rigid(o):
+            case Compound("bn", (Compound("colour" | "pose" as quantity, (str(o),)), _, _, _, _)):
                 for seen in {o, *(self.q.standing_on(o) if quantity == "pose" else ())}:
                     yield self._look(seen, fluent, o, self._earlier(fluent, quantity, o))
-            case Compound("bn", (Compound("weight", (str(o),)), _, _, _, _)) if self.q.rigid(o) and self.q.graspable(o):
+            case Compound("bn", (Compound("weight", (str(o),)), _, _, _, _)) if self.q.graspable(o):
                 needs = [
                     (compound("krd", o), 0),
                     (compound("held", "right", o), 1),
@@ -132,12 +139,12 @@ class Reference:
         name = compound("infer", k, o)
         yield self._made(compound("infer", k, o, p), [fluent], needs, costs, operation=name, immediate=True)
 
-    def _look(self, seen: Term, fluent: Term, about: str, more: list[Need]) -> Instance:
+    def _look(self, seen: Term, fluent: Term, about: Term, more: list[Need]) -> Instance:
         step = compound("look", seen)
         needs: list[Need] = [(compound("krd", seen), 0), (compound("loose", seen), 0)]
         needs += [(compound("clear", step), 1), (compound("at", step), 1), *more]
-        missed = int(str(self.q.detected(about)))
-        costs = {f"missed({about})": missed}
+        missed = int(str(self.q.detected(str(about)))) if self.q.rigid(about) else 0
+        costs = {f"missed({about})": missed} if self.q.rigid(about) else {}
         if (count := self._count(fluent)) > 1:
             costs[f"missed_again({about})"] = (count - 1) * missed
         return self._made(step, [fluent], needs, costs, operation=compound("look_at", seen), executes=step)
