@@ -64,18 +64,20 @@ def axes_of(bound: Term) -> list[tuple[int, float]]:
 def observations(sigma: Term, observation: NDArray[np.float64], present: NDArray[np.float64]) -> int:
     """Return how many observations a plan takes as one step towards `sigma`: a fourth of those that are still needed.
 
-    Where few are needed, each is a step of its own. Where many are, a plan is only some steps longer.
+    Where few are needed, each is a step of its own. Where many are, a plan is only some steps longer. More than
+    MOST_OBSERVATIONS are not planned: each is a step, too short to lead anywhere.
 
     Args:
         sigma: Bound on the covariance.
         observation: Covariance of one, shape (n, n).
         present: Covariance of the belief, shape (n, n).
     """
-    needed = (
+    each = (
         observation[axis, axis] * (1.0 / max(sd, 0.5 / UNIT) ** 2 - 1.0 / max(present[axis, axis], 1e-12))
         for axis, sd in axes_of(sigma)
     )
-    return max(1, math.floor(max(needed, default=0.0) / 4.0))
+    needed = max(each, default=0.0)
+    return max(1, math.floor(needed / 4.0)) if needed <= MOST_OBSERVATIONS else 1
 
 
 def before_observation(sigma: Term, observation: NDArray[np.float64], count: int = 1) -> Term:

@@ -111,6 +111,6 @@ def test_many_observations_are_few_steps(sd: int, sensor: float, prior: float) -
     assert taken <= 2.0 * max(needed, 0.0) + 1.0
 
 
-@pytest.mark.parametrize(("sensor_sd", "count"), [(0.01, 1), (0.02, 1), (0.03, 2), (0.08, 15)])
+@pytest.mark.parametrize(("sensor_sd", "count"), [(0.01, 1), (0.02, 1), (0.03, 2), (0.08, 15), (0.09, 1)])
 def test_a_fourth_of_the_observations_that_are_needed_is_one_step(sensor_sd: float, count: int) -> None:
     assert gaussians.observations(parse_term("sd(10)"), np.array([[sensor_sd**2]]), np.eye(1) * 0.04**2) == count
