@@ -17,6 +17,7 @@ from skolem.traces.messages import Quantity
 
 UNIT: Final = 1000.0
 MOST_OBSERVATIONS: Final = 64  # of one quantity; at a price of .1 nats each more would not be worth planning
+_STEPS: Final = 8  # of a plan that may lead together to one thousandth less
 _TURN: Final = {
     "pose": (None, None, 2 * math.pi),
     "colour": (1.0, None, None),
@@ -85,7 +86,7 @@ def before_observation(sigma: Term, observation: NDArray[np.float64], count: int
 
     The observation's covariance is bounded by a diagonal one (Gershgorin). Each axis is regressed by
     v_before = v_after v_sensor / (v_sensor - v_after), where v_sensor is that of the mean of all of them. The bound
-    is rounded down to a thousandth. If that is no progress, it is raised by a thousandth, provided MOST_OBSERVATIONS
+    is rounded down to a thousandth. If that is no progress, it is raised by a thousandth, provided a few steps
     reach it: else no number would seem to help.
     """
     if not isinstance(sigma, Compound):
@@ -99,7 +100,7 @@ def before_observation(sigma: Term, observation: NDArray[np.float64], count: int
             needed[axis] = ANY
         else:
             before, more = math.floor(UNIT * math.sqrt(after * sensor / (sensor - after))), round(UNIT * sd) + 1
-            few = after > 0 and 1 / (more / UNIT) ** 2 + MOST_OBSERVATIONS / (count * sensor) >= 1 / after
+            few = after > 0 and 1 / (more / UNIT) ** 2 + _STEPS / sensor >= 1 / after
             needed[axis] = max(before, more) if few else before
     bounds = tuple(needed.get(axis, ANY) for axis in range(len(sigma.args)))
     return ANY if all(bound == ANY for bound in bounds) else Compound(sigma.name, bounds)

@@ -69,7 +69,7 @@ def test_one_observation_from_what_was_needed_before_gives_what_was_asked_to_a_t
     assert np.linalg.eigvalsh(slack)[0] >= -1e-6 * (x_mm * y_mm) * 1e-6
 
 
-@pytest.mark.parametrize(("sensor_sd", "before"), [(0.07, "sd(7)"), (0.1, "sd(6)")])
+@pytest.mark.parametrize(("sensor_sd", "before"), [(0.024, "sd(7)"), (0.1, "sd(6)")])
 def test_small_steps_add_up_unless_very_many_were_needed(sensor_sd: float, before: str) -> None:
     """An observation that leads from .0062 to .006 is a step, one of very many is none."""
     assert gaussians.before_observation(parse_term("sd(6)"), np.array([[sensor_sd**2]])) == parse_term(before)
