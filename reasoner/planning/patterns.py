@@ -5,11 +5,13 @@ that differs from the one `same(X)` matched.
 """
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from itertools import product
 
 from skolem.reasoner.terms import ANY, Compound, Term
 
-_AT_MOST = {"b": (1,), "bn": (2, 3, 4)}  # arguments in which a smaller value demands more
+_AT_MOST = {"b": (1,), "bn": (2, 3, 4)}  # arguments in which a smaller value demands more; never the first one
+_MEMORY = 1 << 14  # fluents of which is remembered what they are about
 
 
 def entails(fluent: Term, wanted: Term) -> bool:
@@ -27,6 +29,14 @@ def entails(fluent: Term, wanted: Term) -> bool:
         within(have, want) if i in bounds else have == want or (i > 0 and want == ANY)
         for i, (have, want) in enumerate(zip(fluent.args, wanted.args, strict=True))
     )
+
+
+@lru_cache(_MEMORY)
+def about(fluent: Term) -> str:
+    """Return a key that two fluents share if one of them entails the other: most pairs need no closer look."""
+    if isinstance(fluent, Compound) and fluent.args and fluent.name in _AT_MOST:
+        return f"{fluent.name}({fluent.args[0]}"
+    return str(fluent)
 
 
 def within(bound: Term, limit: Term) -> bool:
@@ -48,6 +58,23 @@ class Mutexes:
         for f, g in pairs:
             self._pairs.setdefault((_name(f), _name(g)), []).append((f, g))
         self._memo: dict[tuple[Term, Term], bool] = {}
+        self._concerned: dict[Term, bool] = {}
+
+    def concerned(self, fluents: Iterable[Term]) -> list[Term]:
+        """Return the fluents that some mutex is about, in their order; no other one excludes a fluent."""
+        known = self._concerned
+        return [f for f in fluents if (known[f] if f in known else self._is_concerned(f))]
+
+    def _is_concerned(self, fluent: Term) -> bool:
+        names = (_name(fluent), ANY)
+        self._concerned[fluent] = any(
+            _bind(pattern, fluent, {})
+            for key, pairs in self._pairs.items()
+            for side in (0, 1)
+            if key[side] in names
+            for pattern in (pair[side] for pair in pairs)
+        )
+        return self._concerned[fluent]
 
     def exclude(self, fluent: Term, other: Term) -> bool:
         """Return whether two fluents can never hold together."""
@@ -59,6 +86,7 @@ class Mutexes:
     def forget(self) -> None:
         """Forget the answers about pairs: fluents contain numbers, which change with the belief."""
         self._memo.clear()
+        self._concerned.clear()
 
     def _one_way(self, fluent: Term, other: Term) -> bool:
         names = product((_name(fluent), ANY), (_name(other), ANY))

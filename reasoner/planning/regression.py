@@ -18,7 +18,7 @@ from typing import Protocol
 
 from skolem.reasoner.planning.instances import Instance, title
 from skolem.reasoner.planning.outlook import Outlook
-from skolem.reasoner.planning.patterns import Mutexes, entails
+from skolem.reasoner.planning.patterns import Mutexes, about, entails
 from skolem.reasoner.planning.reach import Questions, Reach
 from skolem.reasoner.terms import CAP_MICRONATS, Term, matches
 from skolem.traces.messages import Candidate
@@ -257,19 +257,23 @@ def _regressed(instance: Instance, level: int, goal: Subgoal, mutexes: Mutexes) 
         return goal, instance.rejected[0]
     if level > 0 and instance.on_placeholder:
         return goal, "acts_on_placeholder"
-    rest = [f for f in sorted(goal, key=str) if not any(entails(r, f) for r in instance.results)]
+    gained: dict[str, list[Term]] = {}
+    for result in instance.results:
+        gained.setdefault(about(result), []).append(result)
+    rest = [f for f in sorted(goal, key=str) if not any(entails(r, f) for r in gained.get(about(f), ()))]
     if len(rest) == len(goal):
         return goal, "achieves_nothing"
-    for fluent in rest:
-        if any(mutexes.exclude(r, fluent) for r in instance.results) or any(
+    results, postponed = (mutexes.concerned(fluents) for fluents in (instance.results, instance.postponed(level)))
+    for fluent in rest if results or postponed or instance.destroys else ():
+        if any(mutexes.exclude(r, fluent) for r in results) or any(
             matches(pattern, fluent) for pattern in instance.destroys
         ):
             return goal, f"clobbers_by_result {fluent}"
-        if any(mutexes.exclude(p, fluent) for p in instance.postponed(level)):
+        if any(mutexes.exclude(p, fluent) for p in postponed):
             return goal, f"clobbers_by_postponed {fluent}"
     demanded = instance.demanded(level)
-    for needed in demanded:
-        for fluent in [*rest, *demanded]:
+    for needed in mutexes.concerned(demanded):
+        for fluent in mutexes.concerned([*rest, *demanded]):
             if mutexes.exclude(needed, fluent):
                 return goal, f"inconsistent {needed} {fluent}"
     return _joined(rest, demanded), None
@@ -277,8 +281,9 @@ def _regressed(instance: Instance, level: int, goal: Subgoal, mutexes: Mutexes) 
 
 def _joined(rest: Iterable[Term], demanded: Iterable[Term]) -> Subgoal:
     """Return the conjunction of both without fluents that another one entails."""
-    joined: list[Term] = []
+    joined: dict[str, list[Term]] = {}
     for fluent in [*rest, *demanded]:
-        if not any(entails(f, fluent) for f in joined):
-            joined = [f for f in joined if not entails(fluent, f)] + [fluent]
-    return frozenset(joined)
+        alike = joined.setdefault(about(fluent), [])
+        if not any(entails(f, fluent) for f in alike):
+            alike[:] = [*(f for f in alike if not entails(fluent, f)), fluent]
+    return frozenset(itertools.chain.from_iterable(joined.values()))
