@@ -6,6 +6,7 @@ import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Any, Final, Protocol
@@ -39,6 +40,7 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
 )
 ABOUT_DESCRIPTIONS: Final = "denote"  # the one file that is not about steps
 _MOST_PLACES: Final = 5  # that one fault of rules is attributed to
+_KEPT: Final = 4  # sets of rules that ship: all of them, and those that older traces have
 COMPILED: Final = (ABOUT_DESCRIPTIONS, "mutex")  # asked once before a search, and left out of its questions
 
 
@@ -116,6 +118,8 @@ class Rulebook:
     def of(cls, queries_type: type, sources: Sequence[RuleFile], elsewhere: Elsewhere | None = None) -> "Rulebook":
         """Return the rules in files that are already read; they are loaded in the order of `sources`.
 
+        Files that all ship are examined once in a process; whoever asks again gets the same rules.
+
         Args:
             queries_type: The class whose public methods rules may call as @functions.
             sources: The files.
@@ -124,6 +128,12 @@ class Rulebook:
         Raises:
             InputError: With every fault in every file.
         """
+        if elsewhere is None and all(file.ships for file in sources):
+            return _shipped(cls, queries_type, tuple(sources))
+        return cls._examined(queries_type, sources, elsewhere)
+
+    @classmethod
+    def _examined(cls, queries_type: type, sources: Sequence[RuleFile], elsewhere: Elsewhere | None) -> "Rulebook":
         examined = examine(sources, queries_type)
         _raise(examined.faults)
         statements = {file.name: found for file, found in examined.files}
@@ -234,6 +244,11 @@ class Rulebook:
         """Return what to raise for faults that show only while questions are answered."""
         ship = all(file.ships for file in self._sources)
         return InternalError("\n".join(map(str, faults))) if ship else BrokenRulesError(faults)
+
+
+@lru_cache(_KEPT)
+def _shipped(kind: type[Rulebook], queries_type: type, sources: tuple[RuleFile, ...]) -> Rulebook:
+    return kind._examined(queries_type, sources, None)
 
 
 def _solved(rules: Rulebook, queries: object, questions: Sequence[Question], names: tuple[str, ...]) -> Solved:

@@ -39,7 +39,7 @@ def words() -> Words:
 @cache
 def world_of(family: str, seed: int) -> "DrawnWorld":
     document = read_document(f"{family} {seed}", scenario_text(family, seed, words()))
-    return DrawnWorld(compose(document, seed, "symbolic", rulebook=rulebook()))
+    return DrawnWorld(compose(document, seed, "symbolic"))
 
 
 @dataclass(frozen=True)

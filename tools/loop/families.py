@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from functools import cache
 
 from skolem.reasoner import load_rules
-from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.families.ranges import FAMILIES
 from skolem.sim.families.words import Words
 from skolem.sim.families.writing import scenario_text
@@ -16,13 +15,8 @@ MOST_SURE = 0.99  # the belief that an object exists never exceeds this probabil
 
 
 @cache
-def _rulebook() -> Rulebook:
-    return load_rules()
-
-
-@cache
 def _words() -> Words:
-    vocabulary = _rulebook().vocabulary
+    vocabulary = load_rules().vocabulary
     return Words(vocabulary.types, vocabulary.meanings)
 
 
@@ -66,4 +60,4 @@ def drawn_setup(family: str, seed: int, bound: float | None, overrides: Sequence
         world: Name of the simulator.
     """
     document = read_document(f"{family} {seed}", drawn_text(family, seed, bound), overrides)
-    return compose(document, seed, world, rulebook=_rulebook())
+    return compose(document, seed, world)

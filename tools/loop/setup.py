@@ -77,7 +77,6 @@ def compose(
     world: WorldKind | str = PYBULLET,
     images: bool = False,
     profile: bool = False,
-    rulebook: Rulebook | None = None,
 ) -> Setup:
     """Read a scenario's rules and check it.
 
@@ -87,7 +86,6 @@ def compose(
         world: The kind of world to run in, or its name.
         images: Whether camera images are recorded.
         profile: Whether wall times are recorded.
-        rulebook: The rules, if they were read already; by default those that ship and the scenario's own are read.
 
     Raises:
         InputError: With every fault found.
@@ -95,8 +93,7 @@ def compose(
     kind = named(world) if isinstance(world, str) else world
     if images and not kind.camera:
         raise InputError([Fault("--images", 0, 0, f"the {kind.name} world has no camera; leave out one of the two")])
-    if rulebook is None:
-        rulebook = rules_of(document)
+    rulebook = rules_of(document)
     scenario, goal = understood(document, rulebook)
     return Setup(document, scenario, rulebook, goal, scenario.seed if seed is None else seed, kind, images, profile)
 

@@ -107,20 +107,19 @@ def _read(files: Mapping[str, bytes], titles: Mapping[str, str], steps: bool) ->
         titles: Title of each file by its name.
         steps: Whether to refuse rules that would stop a run; those of a recorded run have not stopped it.
     """
-    ships = {f"{file.name}.lp": file.content for file in rule_files()[0]}
+    ships = {(f"{file.name}.lp", file.content): file for file in rule_files()[0]}
     shipped = [f"{name}.lp" for name in RULE_FILES]
     order = [*(name for name in shipped if name in files), *sorted(files.keys() - set(shipped))]
     with tempfile.TemporaryDirectory() as folder:  # clingo reads files
         sources = []
         for number, name in enumerate(order):
-            path = Path(folder) / f"{number}.lp"  # a name from a trace must not decide the path
-            path.write_bytes(files[name])
-            as_shipped = ships.get(name) == files[name]
-            sources.append(
-                RuleFile(
-                    name.removesuffix(".lp"), titles[name], str(path), files[name], name not in shipped, as_shipped
-                )
-            )
+            source = ships.get((name, files[name]))
+            if source is None:
+                path = Path(folder) / f"{number}.lp"  # a name from a trace must not decide the path
+                path.write_bytes(files[name])
+                own = name not in shipped
+                source = RuleFile(name.removesuffix(".lp"), titles[name], str(path), files[name], own)
+            sources.append(source)
         try:
             if all(file.ships for file in sources):
                 return Rulebook.of(Queries, sources)

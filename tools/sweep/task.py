@@ -7,12 +7,9 @@ import hashlib
 import signal
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from skolem.reasoner import load_rules
-from skolem.reasoner.rulebook.book import Rulebook
 from skolem.sim.scenario.scenario import load_document
 from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import Setup, compose, run_start
@@ -142,12 +139,6 @@ def perform(task: Task, folder: Path) -> Finished:
     return Finished(read_row(Trace(path), task.name, setup), path.read_bytes())
 
 
-@cache
-def _shipped() -> Rulebook:
-    """Return the rules that ship; a worker reads them once, because that takes half the time of a symbolic run."""
-    return load_rules()
-
-
 def _setup(task: Task, folder: Path) -> Setup:
     scenario = folder / "scenario.yaml"
     scenario.write_text(task.scenario, encoding="utf-8", newline="")
@@ -155,8 +146,7 @@ def _setup(task: Task, folder: Path) -> Setup:
         (folder / name).write_bytes(content)
     try:
         document = replace(load_document(scenario), rules=tuple(folder / name for name, _ in task.rules))
-        rulebook = None if task.rules else _shipped()
-        setup = compose(document, task.start.seed, task.start.world, profile=True, rulebook=rulebook)
+        setup = compose(document, task.start.seed, task.start.world, profile=True)
     except InputError as error:
         raise WorkerRefusedError(f"what is sound here is not so for the worker: {error}") from None
     if task.source != SOURCE_SHA256 or run_start(setup) != task.start:
