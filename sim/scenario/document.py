@@ -31,6 +31,7 @@ MAX_BYTES = 1024 * 1024
 MAX_VALUES = 20_000
 MAX_DEPTH = 32
 MAX_SCALAR = 4_096
+_KEPT = 8  # texts whose trees are kept
 
 Address = tuple[str | int, ...]
 
@@ -180,11 +181,21 @@ def _text(path: Path) -> str:
         ) from error
 
 
+class _UnsafeError(Exception):
+    """A text would unfold into more, deeper or other values than a scenario can need."""
+
+    def __init__(self, event: Event, message: str) -> None:
+        super().__init__(message)
+        self.mark = event.start_mark
+
+
 def _parse(file: str, text: str) -> Any:
     """Return ruamel's tree; raise the first fault, since the rest of a broken text is not reliable."""
     try:
-        _refuse_unsafe(file, text)
-        return YAML(typ="rt", pure=True).load(text)
+        return _tree(text)
+    except _UnsafeError as error:
+        line, column = error.mark.line, error.mark.column
+        raise InputError([Fault(file, line + 1, column + 1, str(error), "", _line(text, line)[:200])]) from None
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line, mark.column) if mark else (0, 0)
@@ -194,7 +205,14 @@ def _parse(file: str, text: str) -> Any:
         raise InputError([Fault(file, 0, 0, f"not YAML: {str(error).splitlines()[0]}")]) from error
 
 
-def _refuse_unsafe(file: str, text: str) -> None:
+@lru_cache(_KEPT)
+def _tree(text: str) -> Any:
+    """Return ruamel's tree of a safe text, to be read only; runs of the same text share it, as parsing takes long."""
+    _refuse_unsafe(text)
+    return YAML(typ="rt", pure=True).load(text)
+
+
+def _refuse_unsafe(text: str) -> None:
     """Raise if the text would unfold into more, deeper or other values than a scenario can need."""
     sizes: dict[str, int] = {}  # of each anchored value, aliases unfolded
     open_anchors: list[str | None] = []
@@ -203,17 +221,17 @@ def _refuse_unsafe(file: str, text: str) -> None:
     for event in YAML(typ="rt", pure=True).parse(text):
         if isinstance(event, AliasEvent):
             if event.anchor not in sizes:
-                raise _unsafe(file, text, event, f"no finished value is anchored as '&{event.anchor}'")
+                raise _UnsafeError(event, f"no finished value is anchored as '&{event.anchor}'")
             total += sizes[event.anchor]
         elif isinstance(event, ScalarEvent | CollectionStartEvent):
             total += 1
             if event.tag is not None:
-                raise _unsafe(file, text, event, f"tags such as {event.tag} are not used in scenario files")
+                raise _UnsafeError(event, f"tags such as {event.tag} are not used in scenario files")
             if isinstance(event, CollectionStartEvent):
                 open_anchors.append(event.anchor)
                 started.append(total)
             elif len(event.value) > MAX_SCALAR:
-                raise _unsafe(file, text, event, f"a value of more than {MAX_SCALAR} characters")
+                raise _UnsafeError(event, f"a value of more than {MAX_SCALAR} characters")
             elif event.anchor:
                 sizes[event.anchor] = 1
         elif isinstance(event, CollectionEndEvent):
@@ -221,12 +239,7 @@ def _refuse_unsafe(file: str, text: str) -> None:
             if anchor:
                 sizes[anchor] = total - start + 1
         if total > MAX_VALUES or len(started) > MAX_DEPTH:
-            raise _unsafe(file, text, event, f"more than {MAX_VALUES} values, or nested deeper than {MAX_DEPTH}")
-
-
-def _unsafe(file: str, text: str, event: Event, message: str) -> InputError:
-    line, column = event.start_mark.line, event.start_mark.column
-    return InputError([Fault(file, line + 1, column + 1, message, "", _line(text, line)[:200])])
+            raise _UnsafeError(event, f"more than {MAX_VALUES} values, or nested deeper than {MAX_DEPTH}")
 
 
 @lru_cache(2)
