@@ -7,9 +7,9 @@ pattern matches is derived in no belief.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
-from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+from clingo.ast import AST, ASTSequence, ASTType, ComparisonOperator, Sign
 
 from skolem.reasoner.rulebook.files import RuleFile
 from skolem.reasoner.rulebook.parts import Signature
@@ -85,6 +85,26 @@ class Shapes:
         return True
 
 
+class _Kept:
+    """A node of a syntax tree that is read many times: clingo makes new objects for its parts at each access."""
+
+    def __init__(self, node: AST) -> None:
+        self.node = node
+        self.ast_type = node.ast_type
+
+    def __getattr__(self, name: str) -> Any:
+        part = getattr(self.node, name)
+        if isinstance(part, AST):
+            part = _Kept(part)
+        elif isinstance(part, ASTSequence):
+            part = tuple(map(_Kept, part))
+        setattr(self, name, part)
+        return part
+
+    def __str__(self) -> str:
+        return str(self.node)
+
+
 def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozenset[Signature] = frozenset()) -> Shapes:
     """Return the shapes of all atoms that sound rule files can derive.
 
@@ -94,6 +114,7 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
     """
     rules = [Source.of(file, s) for file, statements in files for s in statements if s.ast_type is ASTType.Rule]
     constants = constants_of(files)
+    trees = {source: _Kept(source.statement) for source in rules}
     needs = {source: set(_needed(source.statement)) for source in rules}
     shapes = Shapes(_OPEN | uncertain)
     due = rules
@@ -101,7 +122,7 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
         changed = {
             signature
             for source in due
-            for signature, found in list(_heads(source.statement, shapes, constants))
+            for signature, found in list(_heads(trees[source], shapes, constants))
             if signature not in _OPEN and shapes.add(signature, found, source)
         }
         due = [source for source in rules if needs[source] & changed]
@@ -110,7 +131,7 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
 
 def stated(rule: AST, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
     """Yield the predicates and patterns in the head of a rule, with `any` for each variable."""
-    symbol = rule.head.atom.symbol
+    symbol = _Kept(rule).head.atom.symbol
     for term in symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]:
         for found in _patterns(term, {}, constants):
             yield (term.name, len(term.arguments)), found.args if isinstance(found, Compound) else ()
@@ -128,7 +149,7 @@ def _needed(rule: AST) -> Iterator[Signature]:
             yield from signatures(literal.atom)
 
 
-def _heads(rule: AST, shapes: Shapes, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
+def _heads(rule: _Kept, shapes: Shapes, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
     symbol = rule.head.atom.symbol
     terms = symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]
     for binding in bindings(rule.body, shapes, constants):
@@ -138,7 +159,7 @@ def _heads(rule: AST, shapes: Shapes, constants: Constants) -> Iterator[tuple[Si
                 yield (term.name, len(term.arguments)), tuple(_cut(arg, _DEEPEST) for arg in args)
 
 
-def bindings(body: Iterable[AST], shapes: Shapes, constants: Constants) -> list[Binding]:
+def bindings(body: Iterable[_Kept], shapes: Shapes, constants: Constants) -> list[Binding]:
     """Return the possible bindings of the variables of a body."""
     positive = [e for e in body if e.ast_type is ASTType.Literal and e.sign == Sign.NoSign]
     found: list[Binding] = [{}]
@@ -151,7 +172,7 @@ def bindings(body: Iterable[AST], shapes: Shapes, constants: Constants) -> list[
     return found
 
 
-def _matched(atom: AST, binding: Binding, shapes: Shapes, constants: Constants) -> Iterator[Binding]:
+def _matched(atom: _Kept, binding: Binding, shapes: Shapes, constants: Constants) -> Iterator[Binding]:
     if atom.ast_type is not ASTType.Function:
         yield binding
         return
@@ -164,7 +185,7 @@ def _matched(atom: AST, binding: Binding, shapes: Shapes, constants: Constants) 
             yield new
 
 
-def _compared(comparison: AST, binding: Binding, constants: Constants) -> Iterator[Binding]:
+def _compared(comparison: _Kept, binding: Binding, constants: Constants) -> Iterator[Binding]:
     """Yield the bindings under which a comparison may hold; only `V = term` restricts them."""
     guard = comparison.guards[0]
     left, right = comparison.term, guard.term
@@ -188,7 +209,7 @@ def _compared(comparison: AST, binding: Binding, constants: Constants) -> Iterat
         yield binding | {left.name: value}
 
 
-def _bound(argument: AST, value: Term, binding: Binding, constants: Constants) -> Binding | None:
+def _bound(argument: _Kept, value: Term, binding: Binding, constants: Constants) -> Binding | None:
     """Return the binding extended so that an argument matches a pattern; None if that is impossible."""
     if argument.ast_type is ASTType.Variable:
         if argument.name == "_":
@@ -208,7 +229,7 @@ def _bound(argument: AST, value: Term, binding: Binding, constants: Constants) -
     return binding if any(meet(p, value) is not None for p in patterns) else None
 
 
-def _patterns(term: AST, binding: Binding, constants: Constants) -> Iterator[Term]:
+def _patterns(term: _Kept, binding: Binding, constants: Constants) -> Iterator[Term]:
     match term.ast_type:
         case ASTType.Variable:
             yield binding.get(term.name, ANY)
@@ -230,7 +251,7 @@ def _patterns(term: AST, binding: Binding, constants: Constants) -> Iterator[Ter
             yield from (end for end in ends if end is not None)
             yield ANY
         case _:
-            computed = constant_value(term, constants)
+            computed = constant_value(term.node, constants)
             yield ANY if computed is None else computed
 
 

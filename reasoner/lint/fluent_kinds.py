@@ -4,6 +4,7 @@
 In a pattern `object`, `region` and `hand` name the sort of an argument; `any` is a bound or a number.
 """
 
+from functools import cache
 from typing import Final
 
 from skolem.reasoner.terms import ANY, Compound, Term, parse_term
@@ -42,11 +43,13 @@ COMMANDS: Final = (*ACTIVITIES, "move(activity)")
 _SORTS: Final = frozenset({"expression", "object", "region", "hand", "activity", "word", "properties"})
 
 
+@cache
 def sorted_pattern(text: str) -> Term:
     """Return a pattern of the table with the name of its sort for every argument."""
     return parse_term(text)
 
 
+@cache
 def pattern(text: str) -> Term:
     """Return a pattern of the table with `any` for every argument."""
     return _open(parse_term(text))

@@ -88,7 +88,8 @@ def _spoken_of(shapes: Shapes, files: Files) -> Iterator[tuple[Source, Term, lis
 def _strangers(spoken_of: Iterable[tuple[Source, Term, list[Term]]]) -> Found:
     """Yield fluents that neither the belief nor the geometry can answer."""
     for source, fluent, known in spoken_of:
-        if all(meet(_without_variables(fluent), other) is None for other in known):
+        said = _without_variables(fluent)
+        if all(meet(said, other) is None for other in known):
             message = "is not a fluent that the belief or the geometry can answer"
             yield source, NOT_A_FLUENT, f"{_named(fluent)} {message}; {_instead(fluent)}"
 
@@ -153,6 +154,8 @@ def _wrong_arguments(files: Files, vocabulary: Vocabulary) -> Found:
     constants = constants_of(files)
     for file, statements in files:
         for statement in statements:
+            if "@" not in str(statement):
+                continue
             source = Source.of(file, statement)
             for call in (n for n, kind in descend(statement) if kind is ASTType.Function and n.external):
                 for (sort, kind), term in zip(_parameters(call.name), map(written, call.arguments), strict=False):

@@ -129,7 +129,7 @@ class Rulebook:
             InputError: With every fault in every file.
         """
         if elsewhere is None and all(file.ships for file in sources):
-            return _shipped(cls, queries_type, tuple(sources))
+            return _shipped(queries_type, tuple(sources))
         return cls._examined(queries_type, sources, elsewhere)
 
     @classmethod
@@ -247,8 +247,8 @@ class Rulebook:
 
 
 @lru_cache(_KEPT)
-def _shipped(kind: type[Rulebook], queries_type: type, sources: tuple[RuleFile, ...]) -> Rulebook:
-    return kind._examined(queries_type, sources, None)
+def _shipped(queries_type: type, sources: tuple[RuleFile, ...]) -> Rulebook:
+    return Rulebook._examined(queries_type, sources, None)
 
 
 def _solved(rules: Rulebook, queries: object, questions: Sequence[Question], names: tuple[str, ...]) -> Solved:
