@@ -29,11 +29,15 @@ def placing(hand: Hand, joints: Joints7) -> Place:
     return Place(hand=hand, approach=(joints,), lower=(joints,), retreat=(joints,), carry=(joints,))
 
 
+OTHER = {"green": "blue", "blue": "green"}
+
+
 def edited() -> dict[str, bytes]:
-    """Return a vocabulary that calls blue green."""
-    old, new, text = "colour(green, 90, 162,", "colour(green, 200, 262,", (RULES / "vocabulary.lp").read_text()
-    assert old in text
-    return {"vocabulary.lp": text.replace(old, new).encode()}
+    """Return a vocabulary that calls blue green, and green blue."""
+    text = (RULES / "vocabulary.lp").read_text(encoding="utf-8")
+    swapped = re.sub(r"colour\((green|blue),", lambda found: f"colour({OTHER[found[1]]},", text)
+    assert swapped != text
+    return {"vocabulary.lp": swapped.encode()}
 
 
 def written(folder: Path, rules: dict[str, bytes]) -> str:
