@@ -127,6 +127,7 @@ class Agent:
             executed=None if self._executed is None else _remembered(self._executed),
             failures=self._attempts.failures(),
             in_vain=self._attempts.in_vain(),
+            nearest=self._attempts.nearest(),
             objections={str(impossible): why for impossible, why in sorted(self._objections.items(), key=str)},
         )
 
@@ -134,7 +135,7 @@ class Agent:
         """Take over what was remembered at a recorded decision, as `memory` returned it."""
         self._stack = PlanStack([[_recalled(step) for step in layer] for layer in memory.layers], memory.current)
         self._executed = None if memory.executed is None else _recalled(memory.executed)
-        self._attempts.recall(memory.failures, memory.in_vain)
+        self._attempts.recall(memory.failures, memory.in_vain, memory.nearest)
         self._objections = {parse_term(impossible): why for impossible, why in memory.objections.items()}
         self._begin_anew()
 
@@ -299,8 +300,7 @@ class Agent:
         """Note whether the last action achieved the results that its step promised."""
         if self._executed is not None:
             before = self._attempts.fruitless_here()
-            achieved = next(self.posed.satisfied(self._executed.subgoal), None) is not None
-            self._attempts.judge(self._executed.instance, achieved)
+            self._attempts.judge(self._executed.instance, self.posed.still_false(self._executed.subgoal))
             self._executed = None
             if self._attempts.fruitless_here() != before:
                 self._begin_anew()

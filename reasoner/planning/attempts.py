@@ -1,11 +1,18 @@
-"""Counts of failed attempts: of each command in a row, and of each command from where the robot stands."""
+"""Counts of failed attempts: of each command in a row, and of each command from where the robot stands.
+
+An attempt after which a fluent that is still false is nearer to being true than ever before does not count as failed in
+the row: with a poor sensor, many looks are needed.
+"""
 
 from collections import Counter
 from collections.abc import Mapping
+from typing import Final
 
 from skolem.reasoner.planning.instances import Instance
-from skolem.reasoner.terms import Compound, Term, parse_term
+from skolem.reasoner.terms import Compound, Term, compound, parse_term
 from skolem.traces.messages import Limits
+
+LEAST_GAIN: Final = 0.01  # of a degree (see `Situation.degree`): less is no progress
 
 
 class Attempts:
@@ -16,16 +23,37 @@ class Attempts:
         self._limits = limits
         self._failures: Counter[Term] = Counter()
         self._in_vain: Counter[Term] = Counter()
+        self._nearest: dict[Compound, float] = {}
 
-    def judge(self, done: Instance, achieved: bool) -> None:
-        """Note whether an executed step achieved its results."""
+    def judge(self, done: Instance, degrees: Mapping[Term, float]) -> None:
+        """Note whether an executed step achieved what it should.
+
+        Args:
+            done: The step.
+            degrees: The degree of each fluent that it should have made true and that is still false.
+        """
         if done.executes is None:
             return
-        self._failures[done.executes] = 0 if achieved else self._failures[done.executes] + 1
+        achieved, nearer = not degrees, self._is_nearer(done.executes, degrees)
+        self._failures[done.executes] = 0 if achieved or nearer else self._failures[done.executes] + 1
         if isinstance(done.executes, Compound) and done.executes.name == "move":
             self._in_vain.clear()
         else:
             self._in_vain[done.executes] = 0 if achieved else self._in_vain[done.executes] + 1
+
+    def _is_nearer(self, command: Term, degrees: Mapping[Term, float]) -> bool:
+        """Keep the highest degrees after a command; return whether one has grown. A success forgets them."""
+        if not degrees:
+            self._nearest = {key: best for key, best in self._nearest.items() if key.args[0] != command}
+        grown = False
+        for fluent, degree in degrees.items():
+            key = compound(
+                "nearest", command, fluent.args[0] if isinstance(fluent, Compound) and fluent.args else fluent
+            )
+            best = self._nearest.get(key)
+            grown |= best is not None and degree > best + LEAST_GAIN
+            self._nearest[key] = degree if best is None else max(best, degree)
+        return grown
 
     def is_hopeless(self, command: Term | None) -> bool:
         """Return whether a command failed so often in a row that it is not tried again; an inference never does."""
@@ -47,9 +75,15 @@ class Attempts:
         """Return how often in a row each command failed from here, for the trace."""
         return _written(self._in_vain)
 
-    def recall(self, failures: Mapping[str, int], in_vain: Mapping[str, int]) -> None:
-        """Take over the counts of a trace."""
+    def nearest(self) -> dict[str, float]:
+        """Return the highest degree of each fluent after each command, for the trace."""
+        return {str(key): degree for key, degree in sorted(self._nearest.items(), key=str)}
+
+    def recall(self, failures: Mapping[str, int], in_vain: Mapping[str, int], nearest: Mapping[str, float]) -> None:
+        """Take over the counts and degrees of a trace."""
         self._failures, self._in_vain = _read(failures), _read(in_vain)
+        found = ((parse_term(text), degree) for text, degree in nearest.items())
+        self._nearest = {key: degree for key, degree in found if isinstance(key, Compound)}
 
 
 def _written(counts: Counter[Term]) -> dict[str, int]:

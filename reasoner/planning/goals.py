@@ -93,6 +93,13 @@ class PosedGoal:
             if self.holds_all(frozenset(substitute(f, binding) for f in fluents) if binding else fluents):
                 yield binding
 
+    def still_false(self, fluents: Subgoal) -> dict[Term, float]:
+        """Return the false fluents, each with its degree; nothing if a binding of Skolem constants makes all true."""
+        if next(self.satisfied(fluents), None) is not None:
+            return {}
+        false = [f for f in sorted(fluents, key=str) if _skolems(f) or not self.situation.holds(f)]
+        return {f: 0.0 if _skolems(f) else self.situation.degree(f) for f in false}
+
     def closest(self) -> Closest:
         """Return the instantiation without Skolem constants that is most probable now.
 

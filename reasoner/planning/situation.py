@@ -5,6 +5,9 @@ A `Situation` is one version of the belief; every answer is kept for as long as 
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Final
+
+import numpy as np
 
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.patterns import mentions
@@ -13,6 +16,7 @@ from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
 from skolem.traces.errors import InternalError, RuleError
 from skolem.traces.messages import HANDS, SENSING_HAND, Activity, Hand, Meaning, Quantity
 
+_CERTAIN: Final = 1e-12  # a variance below this counts as this
 _ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
 QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")
 Denotation = Callable[[str, str], float]  # (expression constant, anchor) -> P(Den)
@@ -107,6 +111,19 @@ class Situation:
                 return self.hand_of(anchor) is None and anchor not in self.blockers(activity)
         text = f"the rules ask for {fluent}, which is not a fluent the belief or the geometry can answer"
         raise RuleError(text, _functor(fluent))
+
+    def degree(self, fluent: Term) -> float:
+        """Return how near a false fluent is to being true; only the growth between two moments says something.
+
+        Of a belief that is its probability, of a Gaussian one the mean of -ln sd over its axes, of any other 0.
+        """
+        match fluent:
+            case Compound("b", (phi, _)):
+                return self.probability(phi)
+            case Compound("bn", (Compound(quantity, (str(anchor),)), *_)) if anchor in self._anchors:
+                variances = np.diag(self.belief.gaussian(quantity_named(quantity), anchor).covariance)
+                return float(-0.5 * np.mean(np.log(np.maximum(variances, _CERTAIN))))
+        return 0.0
 
     def _gaussian_holds(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term, p: Term) -> bool:
         if anchor not in self._anchors:

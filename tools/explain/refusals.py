@@ -67,7 +67,7 @@ class Refused:
             plans: The changes of the stack from the first decision on.
             step: The decision.
             after: The memory after the decision; None if the trace cannot tell.
-            most: How often in a row a step may fail, `limits.repeats`.
+            most: How often in a row a command may fail, `limits.repeats`.
         """
         self._before = [each for each in refusals(plans) if each.step <= step]
         self.here = [each for each in self._before if each.step == step]
@@ -76,7 +76,7 @@ class Refused:
 
     def forbids(self, instance: Instance, level: int) -> bool:
         """Return whether the robot refused a step."""
-        return str(instance.step) in self._failures or any(each.forbids(instance, level) for each in self.here)
+        return str(instance.executes) in self._failures or any(each.forbids(instance, level) for each in self.here)
 
     def objection(self, insight: Insight, found: Found) -> str:
         """Return which step of a plan was refused, when and why; empty if none was."""
@@ -86,7 +86,7 @@ class Refused:
         op = title(step.instance.operation)
         same = [each for each in self._before if each.op == op and (each.lacking or each.step == insight.step)]
         if not same:
-            return f"{op} was done {self._failures[str(step.instance.step)]} times without doing what it should"
+            return f"{op} was done {self._failures[str(step.instance.executes)]} times without doing what it should"
         first = next(each.step for each in self._before if each.op == op)
         since = "" if first == insight.step else f", and first at step {first}"
         return f"{op} was refused at step {same[-1].step}{since}: {self.why(insight, same[-1])}"

@@ -59,8 +59,13 @@ class Memory(Message):
     layers: tuple[tuple[RememberedStep, ...], ...] = Field(description="the plan stack, top first")
     current: tuple[int, ...] = Field(description="index of the chosen step, per layer")
     executed: RememberedStep | None = Field(description="the step that was carried out last, if it is yet to be judged")
-    failures: dict[str, int] = Field(description="how often in a row a step did not do what it should, by instance")
+    failures: dict[str, int] = Field(
+        description="how often in a row a command did not do what it should, nor came nearer"
+    )
     in_vain: dict[str, int] = Field(default={}, description="the same since the robot last moved, by command")
+    nearest: dict[str, float] = Field(
+        default={}, description="how near a fluent came to being true after a command, at most (see Situation.degree)"
+    )
     objections: dict[str, str] = Field(
         default={}, description="why the robot cannot do such a step at all, by instance"
     )
