@@ -10,14 +10,13 @@ from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.offers import RuleOffers
 from skolem.reasoner.planning.patterns import Mutexes, mentions
 from skolem.reasoner.planning.queries import DEFAULTS, Queries
+from skolem.reasoner.planning.readings import MOST_READINGS, Binding, fitting, likeliest
 from skolem.reasoner.planning.regression import Subgoal
 from skolem.reasoner.planning.situation import Situation
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.rulebook.book import ABOUT_DESCRIPTIONS, Rulebook
-from skolem.reasoner.terms import Compound, Term, compound, substitute
+from skolem.reasoner.terms import Compound, Term, compound, nll, substitute
 from skolem.traces.messages import Limits
-
-Binding = Mapping[Term, Term]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +40,7 @@ class PosedGoal:
     Attributes:
         situation: The truth of fluents.
         offers: The instances that the rules offer.
+        instantiations: The goal once for each choice of objects for its variables; of very many, the likeliest.
     """
 
     def __init__(
@@ -68,30 +68,44 @@ class PosedGoal:
         self._limits = limits
         self._queries = queries = Queries(self.situation, denotations.alternatives, limits)
         self.offers = RuleOffers(rulebook, self.situation, queries, mutexes)
+        self._variables: list[Term] = [compound("var", name) for name in goal.variables]
+        self._choices = self._candidates()
         self.instantiations = self._instantiate()
 
     def achieved(self) -> Subgoal | None:
         """Return the first instantiation whose fluents all hold; None if there is none."""
-        return next((root for root in self.instantiations if self.holds_all(root)), None)
+        return next(self.all_achieved(), None)
+
+    def all_achieved(self) -> Iterator[Subgoal]:
+        """Yield every instantiation whose fluents all hold, also those that are too many to plan for."""
+        fluents, holds = self._goal.fluents, self.situation.holds
+        for binding in fitting(self._variables, self._choices, fluents, holds, _is_geometric):
+            yield frozenset(substitute(f, binding) for f in fluents)
 
     def left_out(self) -> str:
-        """Return which objects and regions were too implausible to be considered, as a continued sentence."""
+        """Return which objects, regions and readings were not considered, as a continued sentence."""
+        return self._implausible() + self._too_many()
+
+    def _implausible(self) -> str:
         names = sorted(self._queries.left_out)
         least = f"below {self._limits.min_plausible:g} (limits.min_plausible)"
         said = f"; not considered, as P that they are or hold what is meant is {least}: {', '.join(names)}"
         return said if names else ""
+
+    def _too_many(self) -> str:
+        count = math.prod(map(len, self._choices))
+        kept = f"the {MOST_READINGS:,} likeliest were considered"
+        return f"; of {count:,} choices of objects for the goal's variables, {kept}" if count > MOST_READINGS else ""
 
     def holds_all(self, fluents: Subgoal) -> bool:
         """Return whether all fluents hold; geometric fluents are tested last, since they cost most."""
         return all(map(self.situation.holds, sorted(fluents, key=lambda f: (_is_geometric(f), str(f)))))
 
     def satisfied(self, fluents: Subgoal) -> Iterator[Binding]:
-        """Yield the bindings of Skolem constants to anchors under which all fluents hold; {} without constants."""
+        """Return the bindings of Skolem constants to anchors under which all fluents hold; {} without constants."""
         constants = sorted({s for f in fluents for s in _skolems(f)}, key=str)
-        for anchors in itertools.permutations(self.situation.anchors(), len(constants)):
-            binding: dict[Term, Term] = dict(zip(constants, anchors, strict=True))
-            if self.holds_all(frozenset(substitute(f, binding) for f in fluents) if binding else fluents):
-                yield binding
+        choices = [self.situation.anchors()] * len(constants)
+        return fitting(constants, choices, fluents, self.situation.holds, _is_geometric, distinct=True)
 
     def still_false(self, fluents: Subgoal) -> dict[Term, float]:
         """Return the false fluents, each with its degree; nothing if a binding of Skolem constants makes all true."""
@@ -147,23 +161,43 @@ class PosedGoal:
             found |= self._denotations.conjuncts(expression, anchor, self._belief)
         return found
 
-    def _instantiate(self) -> tuple[Subgoal, ...]:
-        """Return the goal once for each choice of candidates for its variables, as the rules offer them.
+    def _candidates(self) -> list[list[Term]]:
+        """Return the candidates for each variable of the goal, as the rules offer them.
 
         Anchors come in order of introduction, Skolem constants last; with equal costs the earlier choice is taken.
         """
-        variables = [compound("var", name) for name in self._goal.variables]
-        facts = [compound("posed", f) for f in self._goal.fluents] + [compound("open", v) for v in variables]
-        offered = self.offers.ask(facts).get("instance", []) if variables else []
+        facts = [compound("posed", f) for f in self._goal.fluents] + [compound("open", v) for v in self._variables]
+        offered = self.offers.ask(facts).get("instance", []) if self._variables else []
         places: dict[Term, int] = {anchor: i for i, anchor in enumerate(self.situation.anchors())}
-        choices = [
+        return [
             sorted((t for v, t in offered if v == variable), key=lambda t: places.get(t, len(places)))
-            for variable in variables
+            for variable in self._variables
         ]
-        return tuple(
-            frozenset(substitute(f, dict(zip(variables, chosen, strict=True))) for f in self._goal.fluents)
-            for chosen in itertools.product(*choices)
-        )
+
+    def _instantiate(self) -> tuple[Subgoal, ...]:
+        """Return the goal once for each choice of candidates for its variables; of very many choices, the likeliest."""
+        few = math.prod(map(len, self._choices)) <= MOST_READINGS
+        costs = [
+            [0 if few else self._cost(variable, choice) for choice in choices]
+            for variable, choices in zip(self._variables, self._choices, strict=True)
+        ]
+        chosen = ([self._choices[v][i] for v, i in enumerate(indices)] for indices in likeliest(costs))
+        bindings = (dict(zip(self._variables, terms, strict=True)) for terms in chosen)
+        return tuple(frozenset(substitute(f, binding) for f in self._goal.fluents) for binding in bindings)
+
+    def _cost(self, variable: Term, choice: Term) -> int:
+        """Return the cost, micro-nats, of what the goal says of one variable alone, if the choice is bound to it.
+
+        No belief costs more than one with P = `limits.min_plausible`, as which those about Skolem constants count.
+        """
+        dearest, cost = nll(self._limits.min_plausible), 0
+        for fluent in self._goal.fluents:
+            bound = substitute(fluent, {variable: choice})
+            if bound == fluent or mentions(bound, "var") or not isinstance(bound, Compound) or bound.name != "b":
+                continue
+            known = not mentions(bound, "sk")
+            cost += min(nll(self.situation.probability(bound.args[0])), dearest) if known else dearest
+        return cost
 
 
 def read_mutexes(rulebook: Rulebook) -> Mutexes:
@@ -185,9 +219,12 @@ def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | 
 
 
 def all_achieving(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> tuple[str, ...]:
-    """Return every object that makes the goal hold in a belief, each once; a goal that names none gives `("",)`."""
+    """Return every object that makes the goal hold in a belief, each once; a goal that names none gives `("",)`.
+
+    Of very many ways to make it hold, the first are tried.
+    """
     posed = PosedGoal(goal, rulebook, Denotations(goal.expressions, rulebook), belief, None, Mutexes([]))
-    holding = (root for root in posed.instantiations if posed.holds_all(root))
+    holding = itertools.islice(posed.all_achieved(), MOST_READINGS)
     return tuple(dict.fromkeys(_subject(root, belief.anchors()) or "" for root in holding))
 
 
