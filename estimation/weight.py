@@ -116,7 +116,7 @@ class WeightBelief:
         u = np.linspace(self.mean - 7.0 * sd, self.mean + 7.0 * sd, WEIGHT_NODES)
         for _ in range(2):
             log_p = self._log_density(u)
-            kept = np.nonzero(log_p > log_p.max() - 40.0)[0]
+            kept = np.nonzero(log_p >= log_p.max() - 40.0)[0]
             first, last = max(kept[0] - 1, 0), min(kept[-1] + 1, WEIGHT_NODES - 1)
             u = np.linspace(u[first], u[last], WEIGHT_NODES)
         log_p = self._log_density(u)

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 
 from skolem.sim.scenario.document import Address, nearest
 from skolem.sim.scenario.models import REGION_NAME, BasePose, BelievedObject, Disturbance, Place, WorldObject
+from skolem.sim.scenario.sizes import MOST_HELD_KG, MOST_KG, MOST_MOVES
 from skolem.sim.space.footprints import Footprint, footprint, overhang, overlaps
 from skolem.traces.messages import ObjectType, Pose2
 from skolem.traces.messages.likeliest import likeliest
@@ -55,11 +56,12 @@ def _pose(on: str | None, at: Place, objects: Mapping[str, WorldObject]) -> Pose
 
 
 def _rows(values: Mapping[str, Any], address: tuple[str, ...]) -> list[tuple[int, Mapping[str, Any]]]:
-    """Return the entries of a list that are mappings, with their index."""
+    """Return the entries of a list that are mappings, with their index; what is beyond every limit is left out."""
     node: Any = values
     for key in address:
         node = node.get(key) if isinstance(node, dict) else None
-    return [(i, row) for i, row in enumerate(node) if isinstance(row, dict)] if isinstance(node, list) else []
+    rows = node[:MOST_MOVES] if isinstance(node, list) else []
+    return [(i, row) for i, row in enumerate(rows) if isinstance(row, dict)]
 
 
 def _readable(values: Mapping[str, Any], address: tuple[str, ...], model: type[M]) -> dict[int, M]:
@@ -105,6 +107,9 @@ def _world_types(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
             for key in ("hsv", "kg"):
                 if row.get(key) is None:
                     yield ("world", i, key), f"a {kind} can be grasped and needs {key}"
+            kg = row.get("kg")
+            if isinstance(kg, int | float) and MOST_HELD_KG < kg <= MOST_KG:
+                yield ("world", i, "kg"), f"a {kind} can be grasped, and fingers hold at most {MOST_HELD_KG:g} kg"
 
 
 def _supports(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
@@ -185,7 +190,7 @@ def _type_shares(address: Address, shares: Any, types: Types) -> Iterator[Mistak
     for kind in shares:
         if kind not in types:
             yield (*address, kind), f"no type '{kind}'{nearest(kind, types)}"
-    numbers = [share for share in shares.values() if isinstance(share, int | float) and not isinstance(share, bool)]
+    numbers = [share for share in shares.values() if isinstance(share, int | float) and 0 <= share <= 1]
     if len(numbers) == len(shares) and not math.isclose(sum(numbers), 1.0, abs_tol=1e-9):
         yield address, f"probabilities sum to {sum(numbers):g}, expected 1"
 

@@ -30,8 +30,9 @@ from skolem.traces.given import read_regular
 MAX_BYTES = 1024 * 1024
 MAX_VALUES = 20_000
 MAX_DEPTH = 32
-MAX_SCALAR = 4_096
 _KEPT = 8  # texts whose trees are kept
+_SHOWN = 160  # characters of a flag that are shown in messages
+MAX_SCALAR = 3_500  # a number of so many hexadecimal digits has less than the 4,300 digits that Python prints
 
 Address = tuple[str | int, ...]
 
@@ -195,7 +196,7 @@ def _parse(file: str, text: str) -> Any:
         return _tree(text)
     except _UnsafeError as error:
         line, column = error.mark.line, error.mark.column
-        raise InputError([Fault(file, line + 1, column + 1, str(error), "", _line(text, line)[:200])]) from None
+        raise InputError([Fault(file, line + 1, column + 1, str(error), "", _line(text, line))]) from None
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line, mark.column) if mark else (0, 0)
@@ -269,7 +270,7 @@ def _plain(node: Any) -> Any:
 
 def _override(values: dict[str, Any], flag: str) -> tuple[str, Address]:
     """Set one value from `a.b=value` and return the flag with the address it set."""
-    name = f"--set {flag}"
+    name = f"--set {flag}" if len(flag) <= _SHOWN else f"--set {flag[:_SHOWN]}..."
     path, equals, text = flag.partition("=")
     if not equals or not path:
         raise InputError([Fault(name, 0, 0, "expected a.b=value, for example noise.detection.found=1.0")])

@@ -8,13 +8,33 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
+from skolem.sim.scenario.sizes import (
+    MOST_FILES,
+    MOST_MOVES,
+    MOST_REGIONS,
+    MOST_THINGS,
+    ColourDeviation,
+    Deviation,
+    Expected,
+    Factor,
+    Gain,
+    Height,
+    Kilograms,
+    LogDeviation,
+    Metres,
+    Newtons,
+    Radians,
+    Seed,
+    SensorDeviation,
+    SensorTurned,
+    Shade,
+    Step,
+    Torso,
+    Turned,
+)
 from skolem.traces.messages import Limits, NoiseModel
 
-Number = Annotated[float, Field(strict=True)]
-Positive = Annotated[float, Field(gt=0, strict=True)]
-NonNegative = Annotated[float, Field(ge=0, strict=True)]
 Fraction = Annotated[float, Field(ge=0, le=1, strict=True)]
-Count = Annotated[int, Field(ge=0, strict=True)]
 Name = Annotated[
     str,
     Field(pattern=r"^[a-z][A-Za-z0-9_]*$", max_length=64, description="a name given from outside: a rigid designator"),
@@ -22,7 +42,7 @@ Name = Annotated[
 REGION_NAME = r"^_reg\d+_$"
 RegionName = Annotated[str, Field(pattern=REGION_NAME, max_length=64, description="the name of a region: _reg1_")]
 Place = Annotated[
-    tuple[Number, Number, Number],
+    tuple[Metres, Metres, Radians],
     Field(description="x, y [m], theta [rad]: in the world, or from the centre of the top of `on`"),
 ]
 Hsv = Annotated[tuple[Fraction, Fraction, Fraction], Field(description="hue, saturation, value, each 0..1")]
@@ -38,15 +58,15 @@ class Model(BaseModel):
 class LogNormal(Model):
     """The prior of a weight that is not measured yet."""
 
-    median_kg: Positive
-    sigma: Annotated[Positive, Field(description="sd of ln(kg)")]
+    median_kg: Kilograms
+    sigma: Annotated[LogDeviation, Field(description="sd of ln(kg)")]
 
 
 class ColourPrior(Model):
     """The prior of a colour that is not seen yet."""
 
     hsv: Hsv
-    sd: tuple[Positive, Positive, Positive]
+    sd: tuple[ColourDeviation, ColourDeviation, ColourDeviation]
 
 
 class Priors(Model):
@@ -59,52 +79,52 @@ class Priors(Model):
         Field(description="probability of each graspable type; they sum to 1; null: all alike"),
     ] = None
     objects_per_region: Annotated[
-        NonNegative, Field(description="expected number of objects in a region that are not in the prior")
+        Expected, Field(description="expected number of objects in a region that are not in the prior")
     ] = 0.5
 
 
 class DepthNoise(Model):
     """Error of the depth image."""
 
-    sd_scale: Annotated[NonNegative, Field(description="times the Kinect's axial noise; 0 = exact depth")]
+    sd_scale: Annotated[Factor, Field(description="times the Kinect's axial noise; 0 = exact depth")]
 
 
 class RigidNoise(Model):
     """Independent errors along each axis and about each axis."""
 
-    sd_m: NonNegative
-    sd_rad: NonNegative
+    sd_m: SensorDeviation
+    sd_rad: SensorTurned
 
 
 class DetectionNoise(Model):
     """Missed detections, false detections and confusions of types."""
 
     found: Annotated[Fraction, Field(description="probability that a visible object is detected")]
-    false_per_look: Annotated[NonNegative, Field(description="expected number of detections without an object")]
+    false_per_look: Annotated[Expected, Field(description="expected number of detections without an object")]
     type_right: Annotated[Fraction, Field(description="probability that the reported type is the true one")]
 
 
 class ColourNoise(Model):
     """Error of a detection's mean colour."""
 
-    gain: Annotated[Positive, Field(description="mean observed value over true value: shading")]
-    sd_rgb: NonNegative
+    gain: Annotated[Gain, Field(description="mean observed value over true value: shading")]
+    sd_rgb: Shade
 
 
 class OdometryNoise(Model):
     """Error of one drive, in the frame of the base."""
 
-    sd_m: NonNegative
-    sd_per_m: NonNegative
-    sd_rad: NonNegative
-    sd_per_rad: NonNegative
+    sd_m: SensorDeviation
+    sd_per_m: SensorDeviation
+    sd_rad: SensorTurned
+    sd_per_rad: SensorTurned
 
 
 class WristNoise(Model):
     """Error of the force at the wrist."""
 
-    sd_newton: Annotated[NonNegative, Field(description="sd of one averaged reading")]
-    drift_newton: Annotated[NonNegative, Field(description="sd of the slow bias, drawn once per run")]
+    sd_newton: Annotated[Newtons, Field(description="sd of one averaged reading")]
+    drift_newton: Annotated[Newtons, Field(description="sd of the slow bias, drawn once per run")]
 
 
 class Noise(Model):
@@ -158,16 +178,16 @@ EXACT = Noise(
 class BasePose(Model):
     """The pose of the base in the world."""
 
-    x: Number
-    y: Number
-    theta: Number
+    x: Metres
+    y: Metres
+    theta: Radians
 
 
 class BaseSd(Model):
     """The standard deviations of the believed pose of the base."""
 
-    xy_m: Annotated[NonNegative, Field(description="along each axis")]
-    theta_rad: NonNegative
+    xy_m: Annotated[Deviation, Field(description="along each axis")]
+    theta_rad: Turned
 
 
 class Robot(Model):
@@ -175,7 +195,7 @@ class Robot(Model):
 
     base: BasePose
     base_sd: BaseSd
-    torso_m: Annotated[Number, Field(ge=0, le=0.31)]
+    torso_m: Torso
 
 
 class WorldObject(Model):
@@ -186,13 +206,13 @@ class WorldObject(Model):
     on: Annotated[Name | None, Field(description="a table; null: the floor")] = None
     at: Place
     hsv: Annotated[Hsv | None, Field(description="needed by what can be grasped")] = None
-    kg: Annotated[Positive | None, Field(description="needed by what can be grasped")] = None
+    kg: Annotated[Kilograms | None, Field(description="needed by what can be grasped")] = None
 
 
 class Disturbance(Model):
     """A move of an object from outside, unseen by the robot."""
 
-    before_step: Annotated[Count, Field(description="just before the robot executes its action of this number")]
+    before_step: Annotated[Step, Field(description="just before the robot executes its action of this number")]
     id: Name
     on: Annotated[Name | None, Field(description="a table; null: the floor")] = None
     at: Place
@@ -201,8 +221,8 @@ class Disturbance(Model):
 class BeliefDefaults(Model):
     """The default standard deviations of the places of objects."""
 
-    sd_xy_m: NonNegative
-    sd_theta_rad: NonNegative
+    sd_xy_m: Deviation
+    sd_theta_rad: Turned
 
 
 class BelievedObject(Model):
@@ -215,8 +235,8 @@ class BelievedObject(Model):
     ] = None
     on: Annotated[Name | None, Field(description="with `at`: the believed table it stands on")] = None
     at: Place | None = None
-    sd_xy_m: NonNegative | None = None
-    sd_theta_rad: NonNegative | None = None
+    sd_xy_m: Deviation | None = None
+    sd_theta_rad: Turned | None = None
     colour: ColourPrior | None = None
     log_weight: LogNormal | None = None
 
@@ -226,9 +246,9 @@ class BelievedRegion(Model):
 
     id: RegionName
     on: Annotated[Name, Field(description="a table in the prior")]
-    height_m: Positive
+    height_m: Height
     objects: Annotated[
-        NonNegative | None,
+        Expected | None,
         Field(
             description="expected number of objects there that are not in the prior; null: priors.objects_per_region"
         ),
@@ -239,8 +259,8 @@ class InitialBelief(Model):
     """The robot's prior of objects and regions; the names are rigid designators."""
 
     defaults: BeliefDefaults
-    objects: tuple[BelievedObject, ...]
-    regions: tuple[BelievedRegion, ...] = ()
+    objects: Annotated[tuple[BelievedObject, ...], Field(max_length=MOST_THINGS)]
+    regions: Annotated[tuple[BelievedRegion, ...], Field(max_length=MOST_REGIONS)] = ()
 
 
 class Witness(Model):
@@ -248,7 +268,7 @@ class Witness(Model):
 
     variable: Annotated[str, Field(description="of the goal")]
     thing: Annotated[Name, Field(description="an object of the world")]
-    margin_sd: Annotated[NonNegative, Field(description="how surely it fits, in deviations of one sensor reading")]
+    margin_sd: Annotated[Factor, Field(description="how surely it fits, in deviations of one sensor reading")]
     stand: Annotated[BasePose, Field(description="where the base can stand so that an arm reaches it")]
     cleared: Annotated[tuple[Name, ...], Field(description="what is put aside before, in this order")] = ()
     room: Annotated[Place | None, Field(description="a free place on the goal's table; null: none is needed")] = None
@@ -259,14 +279,14 @@ class Certificate(Model):
 
     family: str
     variant: str
-    seed: Count
-    retries: Annotated[Count, Field(description="attempts that were dropped: no place found, or no answer shown")]
+    seed: Seed
+    retries: Annotated[Seed, Field(description="attempts that were dropped: no place found, or no answer shown")]
     witnesses: Annotated[tuple[Witness, ...], Field(description="one for each variable of the goal")] = ()
     impossible: Annotated[
         Literal["nothing_fits", "nothing_reached", "no_room"] | None, Field(description="why there are no witnesses")
     ] = None
-    off_m: Annotated[NonNegative, Field(description="distance of the prior's places from the true ones, metres")] = 0.0
-    noise: Annotated[Positive, Field(description="times the usual deviations of sensors and wheels")] = 1.0
+    off_m: Annotated[Deviation, Field(description="distance of the prior's places from the true ones, metres")] = 0.0
+    noise: Annotated[Factor, Field(description="times the usual deviations of sensors and wheels")] = 1.0
     noise_told: Annotated[bool, Field(description="whether the robot knows that factor")] = True
 
 
@@ -276,7 +296,7 @@ class Expect(Model):
     status: Literal["goal_achieved", "goal_unachievable", "limit_reached"]
     chosen: str | None = None
     operators: tuple[str, ...] = ()
-    replans_at_least: Count = 0
+    replans_at_least: Step = 0
     certificate: Annotated[Certificate | None, Field(description="of a world drawn by `skolem generate`")] = None
 
 
@@ -287,9 +307,11 @@ class Scenario(Model):
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=64)]
     about: str = ""
     goal: str
-    seed: Annotated[Count, Field(lt=2**63, description="every draw is keyed by (seed, step, stream)")]
+    seed: Annotated[Seed, Field(description="every draw is keyed by (seed, step, stream)")]
     limits: Limits
-    rules: Annotated[tuple[str, ...], Field(description="extra rule files, relative to this file")] = ()
+    rules: Annotated[
+        tuple[str, ...], Field(max_length=MOST_FILES, description="extra rule files, relative to this file")
+    ] = ()
     priors: Priors
     noise: Annotated[
         Annotated[Literal["none"], Tag("none")] | Annotated[Noise, Tag("noise")],
@@ -305,8 +327,8 @@ class Scenario(Model):
         Field(description="the noise that the robot believes"),
     ] = "same"
     robot: Robot
-    world: tuple[WorldObject, ...]
-    disturbances: tuple[Disturbance, ...] = ()
+    world: Annotated[tuple[WorldObject, ...], Field(max_length=MOST_THINGS)]
+    disturbances: Annotated[tuple[Disturbance, ...], Field(max_length=MOST_MOVES)] = ()
     belief: InitialBelief
     expect: Expect | None = None
 

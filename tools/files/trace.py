@@ -32,7 +32,7 @@ def bless(
         "tests/golden"
     ),
     scenario: Annotated[Path | None, typer.Option(help="Scenario file of a new trace.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of a new trace.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Seed of a new trace.")] = 0,
     world: Annotated[str, typer.Option(metavar="NAME", help="Kind of world of a new trace.")] = "pybullet",
     set_: Annotated[
         list[str] | None,

@@ -14,7 +14,7 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 @app.command()
 def generate(
     family: Annotated[str, typer.Argument(help="Kind of world; docs/families.md describes the kinds.")],
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the world and of its runs.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Seed of the world and of its runs.")] = 0,
     out: Annotated[
         Path | None,
         typer.Option(

@@ -20,7 +20,9 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 @app.command()
 def run(
     scenario: Annotated[Path, typer.Argument(help="Scenario file.")],
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the run. Default: the scenario's.")] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, max=2**63 - 1, help="Seed of the run. Default: the scenario's.")
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
