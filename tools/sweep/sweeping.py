@@ -19,6 +19,7 @@ from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.interrupts import interrupts_held
 
 INTERRUPTED = 130
+MOST_SEEDS = 10_000  # of one sweep: each has a task, a row and a trace; further ones may follow in the same folder
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,12 +57,15 @@ def seed_range(text: str) -> range:
     """Return the seeds of `A-B` or of a single number.
 
     Raises:
-        InputError: If the text is neither.
+        InputError: If the text is neither, or there are too many seeds.
     """
     match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text)
     seeds = range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)
     if not seeds:
-        raise InputError([Fault("--seeds", 0, 0, f"expected A-B with A <= B, for example 0-19 (got '{text}')")])
+        raise InputError([Fault("--seeds", 0, 0, f"expected A-B with A <= B, for example 0-19 (got '{text:.40}')")])
+    if len(seeds) > MOST_SEEDS:
+        said = f"{len(seeds):,} seeds, at most {MOST_SEEDS:,} are run in one sweep"
+        raise InputError([Fault("--seeds", 0, 0, f"{said}; take the others in further ones with the same --out")])
     return seeds
 
 
