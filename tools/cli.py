@@ -8,7 +8,6 @@ import gc
 import os
 import signal
 import sys
-import traceback
 from importlib import import_module
 from types import FrameType
 from typing import Annotated, Any
@@ -16,6 +15,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from skolem.tools.words.internal import internal_lines
 from skolem.tools.words.terminal import output
 
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
@@ -211,6 +211,6 @@ def _explain(error: Exception) -> int:
     if isinstance(error, InputError | TraceError):
         output(error, file=sys.stderr)
         return BAD_INPUT if isinstance(error, InputError) else BAD_TRACE
-    output("".join(traceback.format_exception(error)), file=sys.stderr, end="")
     output(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
+    output("\n".join(internal_lines(error, None)), file=sys.stderr)
     return INTERNAL

@@ -98,9 +98,11 @@ def test_version_is_that_of_the_package(monkeypatch: pytest.MonkeyPatch, capsys:
         (["run", GREEN, "--sede", "1"], "No such option"),
         (["run", GREEN, "--seed", "-1"], "--seed"),
         (["run", "nowhere.yaml"], "nowhere.yaml: cannot be read: No such file or directory"),
-        (["run", GREEN, "--set", "robot.torso_m=2"], "--set robot.torso_m=2: robot.torso_m: Input should be less"),
+        (["run", GREEN, "--set", "robot.torso_m=2"], "--set robot.torso_m=2: robot.torso_m: expected 0 to 0.31"),
         (["run", GREEN, "--images", "--world", "symbolic"], "--images: the symbolic world has no camera"),
         (["sweep", GREEN, "-o", "x", "--seeds", "9-0"], "--seeds: expected A-B with A <= B"),
+        (["sweep", GREEN, "-o", "x", "--seeds", "0-99999999"], "--seeds: 100,000,000 seeds, at most 10,000 are run in"),
+        (["run", GREEN, "--seed", str(2**63)], "--seed"),
     ],
 )
 def test_bad_input_exits_with_2_and_says_what_was_expected(
@@ -217,17 +219,32 @@ def test_show_of_something_that_is_no_trace_exits_with_3(
     assert "notes.mcap" in capsys.readouterr().err
 
 
-def test_an_internal_error_exits_with_4_and_the_trace_is_closed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("debug", [False, True])
+def test_an_internal_error_exits_with_4_names_the_closed_trace_and_shows_where_only_if_asked(
+    debug: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.setenv("SKOLEM_DEBUG", "1" if debug else "0")
     monkeypatch.setattr("skolem.sim.symbolic.world.SymbolicWorld.execute", lambda self, action: 1 / 0)
     trace = tmp_path / "a.mcap"
     assert called(monkeypatch, "run", GREEN, "--world", "symbolic", "-o", str(trace), "--json") == 4
     out, err = capsys.readouterr()
     said = json.loads(out)
     assert (said["status"], said["reason"]) == ("error", "ZeroDivisionError: division by zero")
-    assert "Traceback" in err
+    assert ("Traceback" in err) == debug
+    assert f"to report it, send the version and {trace} (" in err
     assert Trace(trace).content_hash == said["content_hash"]
+
+
+def test_an_internal_error_of_a_verb_without_a_trace_says_how_to_report_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("skolem.sim.scenario.scenario.schema_text", lambda: 1 / 0)
+    assert called(monkeypatch, "scenario", "schema") == 4
+    err = capsys.readouterr().err
+    assert err.startswith(
+        "internal error: ZeroDivisionError: division by zero\nthis is a fault of skolem: to report it"
+    )
+    assert "Traceback" not in err
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -2,7 +2,6 @@
 
 import json as json_format
 import sys
-import traceback
 from collections.abc import Mapping
 from pathlib import Path
 from typing import IO
@@ -10,9 +9,10 @@ from typing import IO
 from skolem.tools.loop.session import Outcome, run
 from skolem.tools.loop.setup import Setup
 from skolem.tools.loop.stopwatch import PARTS, Stopwatch
+from skolem.tools.words.internal import internal_lines
 from skolem.tools.words.live import watcher_for, wording_for
 from skolem.tools.words.terminal import output, say
-from skolem.traces.errors import InputError, SkolemError, UnwrittenError
+from skolem.traces.errors import InputError, UnwrittenError
 from skolem.traces.file.writer import partial_of
 from skolem.traces.messages import TICKS_PER_SECOND, RunEnd, RunStatus
 from skolem.traces.wording.verdicts import displaced_text
@@ -44,7 +44,7 @@ def execute(
     """
     outcome = Outcome()
     status: RunStatus = "error"
-    reason, unwritten = "", None
+    reason, unwritten, fault = "", None, None
     with watcher_for(setup, quiet, raw) as watcher:
         try:
             run(setup, trace, watcher, watch, outcome, partial)
@@ -57,9 +57,7 @@ def execute(
         except UnwrittenError as error:
             reason, unwritten = str(error), error
         except Exception as error:
-            reason = f"{type(error).__name__}: {error}"
-            if not isinstance(error, SkolemError):
-                output("".join(traceback.format_exception(error)), file=sys.stderr, end="")
+            reason, fault = f"{type(error).__name__}: {error}", error
     if json:
         fields = summary(setup, outcome, status, reason, trace)
         output(json_format.dumps({**fields, "trace": fields["trace"] if outcome.content_hash else None}))
@@ -67,6 +65,8 @@ def execute(
         say(verdict_lines(outcome, status, reason, trace, wording_for(setup, raw)))
     if unwritten is not None:
         raise unwritten
+    if fault is not None:
+        output("\n".join(internal_lines(fault, trace if outcome.content_hash else None)), file=sys.stderr)
     return EXIT[status]
 
 

@@ -22,6 +22,7 @@ from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain,
 
 LIBRARY = "skolem-trace/1"  # mcap's default names its own version, so that an update would change the bytes
 CHUNK_BYTES = 64 * 1024
+LAST_NS = 2**64 - 1  # the greatest log time of a message
 
 
 class TraceWriter:
@@ -76,7 +77,7 @@ class TraceWriter:
         """Append one message at a simulated time; an interrupt waits until the message is whole.
 
         Raises:
-            InternalError: If the topic or type is wrong, time runs backwards, or the run has ended already.
+            InternalError: If the topic or type is wrong, time runs backwards or too far, or the run has ended already.
             UnwrittenError: If the file cannot be written further; it is closed, and what was written stays.
         """
         if topic == "/perf" and not self._profile:
@@ -85,6 +86,8 @@ class TraceWriter:
         counter = counter_of(topic)
         if tick < self._tick:
             raise InternalError(f"{topic}: tick {tick} comes after tick {self._tick}")
+        if time_ns(tick) > LAST_NS:  # a message that cannot be packed would keep the trace from being closed
+            raise InternalError(f"{topic}: tick {tick} is beyond the times that a trace can hold")
         if self._ended and counter == "decision":
             raise InternalError(f"{topic}: the run has ended")
         with interrupts_held(), self._on_disk():
@@ -92,7 +95,7 @@ class TraceWriter:
 
     def candidate(self, probability: float, anchor: str | None) -> None:
         """Remember the goal's best candidate so far, for the end record of a run that is cut short."""
-        self._candidate = (probability, anchor)
+        self._candidate = (probability if 0.0 <= probability <= 1.0 else 0.0, anchor)
 
     def close_step(self, step: int, tick: int) -> str:
         """Write the hash chain over the step's messages, write all messages to the disk, and return the chain."""

@@ -1,5 +1,6 @@
 import errno
 import io
+import math
 import os
 import platform
 import re
@@ -250,6 +251,18 @@ def test_time_runs_forward_only(tmp_path: Path) -> None:
         writer.write("/truth/state", TRUE_STATE, 100)
         with pytest.raises(InternalError, match="tick 99 comes after tick 100"):
             writer.write("/truth/state", TRUE_STATE, 99)
+
+
+def test_a_time_that_no_trace_can_hold_ends_in_a_closed_trace_with_the_reason(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    writer = open_writer(path)
+    writer.candidate(math.nan, None)
+    with pytest.raises(InternalError, match="beyond the times that a trace can hold"), writer:
+        writer.write("/truth/state", TRUE_STATE, 10**18)
+    [end] = Trace(path).of(RunEnd)
+    assert (end.status, end.goal_probability) == ("error", 0.0)
+    assert "beyond the times" in end.reason
+    assert not partial_of(path).exists()
 
 
 def test_nothing_is_decided_after_the_end_but_the_verdict_may_follow(tmp_path: Path) -> None:
