@@ -43,8 +43,11 @@ def numbers(node: Any, schema: dict[str, Any], address: Address = ()) -> Iterato
     schema = SCHEMA["$defs"][schema["$ref"].rsplit("/", 1)[1]] if "$ref" in schema else schema
     either = schema.get("anyOf") or schema.get("oneOf")
     if either:
-        kind = {dict: ("object", "$ref"), list: ("array",), str: ("string",)}.get(type(node), ("number", "integer"))
-        schema = next((one for one in either if one.get("type") in kind or "$ref" in one), {})
+        kinds: dict[type, list[str]] = {dict: ["object"], list: ["array"], str: ["string"]}
+        kind = kinds.get(type(node), ["number", "integer"])
+        schema = next(
+            (one for one in either if one.get("type") in kind or ("$ref" in one and isinstance(node, dict))), {}
+        )
         yield from numbers(node, schema, address)
     elif isinstance(node, dict):
         for key, value in node.items():
@@ -77,7 +80,8 @@ SHARES = {address for address in NUMBERS if "type" in address}  # probabilities 
 
 
 def least(schema: dict[str, Any]) -> float:
-    return schema["minimum"] if "minimum" in schema else schema["exclusiveMinimum"] + 1
+    low: float = schema["minimum"] if "minimum" in schema else schema["exclusiveMinimum"] + 1
+    return low
 
 
 @st.composite
