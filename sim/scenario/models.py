@@ -17,6 +17,7 @@ from skolem.sim.scenario.sizes import (
     Deviation,
     Expected,
     Factor,
+    FalseDetections,
     Gain,
     Height,
     Kilograms,
@@ -100,7 +101,7 @@ class DetectionNoise(Model):
     """Missed detections, false detections and confusions of types."""
 
     found: Annotated[Fraction, Field(description="probability that a visible object is detected")]
-    false_per_look: Annotated[Expected, Field(description="expected number of detections without an object")]
+    false_per_look: Annotated[FalseDetections, Field(description="expected number of detections without an object")]
     type_right: Annotated[Fraction, Field(description="probability that the reported type is the true one")]
 
 

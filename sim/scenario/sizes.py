@@ -99,6 +99,9 @@ Height = Annotated[
 Expected = Annotated[
     float, Field(strict=True), Between(0.0, 100.0, "a number of objects; more have no place on a table")
 ]
+FalseDetections = Annotated[
+    float, Field(strict=True), Between(0.0, 10.0, "detections of nothing in one look; more leave no picture to believe")
+]
 Torso = Annotated[float, Field(strict=True), Between(0.0, 0.31, "metres; the travel of the torso")]
 Step = Annotated[int, Field(strict=True), Between(0, 10_000, "a number of actions; no run takes more")]
 Seed = Annotated[int, Field(strict=True), Between(0, 2**63 - 1, "seeds are recorded in 64 bits")]

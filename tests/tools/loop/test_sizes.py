@@ -147,10 +147,17 @@ def test_a_number_of_thousands_of_digits_is_refused_with_its_place() -> None:
                 compose(values, world="symbolic")
 
 
-@pytest.mark.parametrize("part", ["world", "belief.objects", "belief.regions", "rules"])
+ENTRIES = {
+    "world": {"id": "a", "type": "soda", "at": [0, 0, 0]},
+    "belief.objects": {"id": "a", "type": {"soda": 1.0}, "at": [0, 0, 0]},
+    "belief.regions": {"id": "_reg1_", "on": "table1", "height_m": 0.3},
+    "rules": "x.lp",
+}
+
+
+@pytest.mark.parametrize("part", ENTRIES)
 def test_a_list_with_too_many_entries_is_refused_at_once(part: str) -> None:
-    entry: dict[str, Any] | str = "x.lp" if part == "rules" else {"id": "a", "type": "soda", "at": [0, 0, 0]}
-    document = read_document("many", json.dumps(WHOLE), [f"{part}={json.dumps([entry] * 120)}"])
+    document = read_document("many", json.dumps(WHOLE), [f"{part}={json.dumps([ENTRIES[part]] * 120)}"])
     with pytest.raises(InputError) as refusal:
         compose(document, world="symbolic")
     assert any("should have at most" in fault.message for fault in refusal.value.faults)
