@@ -1,15 +1,17 @@
 """What every test shares: golden texts, reproducible hypothesis examples, the type checkers' view, a small trace."""
 
 import difflib
+import gc
 import os
 import runpy
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 from kit.draws import USUAL
-from kit.places import ROOT
+from kit.places import RECORDINGS, ROOT
 
 TYPE_FARM = ROOT / ".types" / "skolem"
 PACKAGE_FOLDERS = ("rules", "reasoner", "estimation", "sim", "traces", "tools")
@@ -31,6 +33,20 @@ settings.load_profile("reproducible")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="rewrite the golden texts under tests/data")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the folder of recorded runs, which all processes of the tests share, and remove it at the end."""
+    if not hasattr(config, "workerinput"):
+        folder = tempfile.TemporaryDirectory()
+        os.environ[RECORDINGS] = folder.name
+        config.add_cleanup(folder.cleanup)
+
+
+def pytest_collection_finish() -> None:
+    """Keep the garbage collector from looking at what stays to the end: modules, tests and their parameters."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture
@@ -57,15 +73,11 @@ def record_run() -> Callable[..., str]:
 
 
 @pytest.fixture(scope="session")
-def green_trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def green_trace() -> Path:
     """Return the trace of a whole run in the world without physics, in which plans are dropped."""
-    from skolem.tools.loop.session import run
-    from skolem.tools.loop.setup import prepare
+    from kit.recordings import recorded
 
-    path = tmp_path_factory.mktemp("green") / "green.mcap"
-    setup = prepare(ROOT / "scenarios" / "sim1_green.yaml", seed=3, world="symbolic")
-    run(setup, path)
-    return path
+    return recorded("sim1_green", 3)
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,6 @@
 import json
 import math
 import re
-import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -29,12 +28,8 @@ from skolem.traces.wording.of_run import wording_of
 from skolem.traces.wording.wording import AS_RECORDED
 
 
-@cache
 def traced(name: str, *overrides: str) -> Path:
-    """Run a scenario in the symbolic world, once."""
-    path = Path(tempfile.mkdtemp()) / f"{name}.mcap"
-    run(prepare(ROOT / "scenarios" / f"{name}.yaml", overrides, 1, "symbolic"), path)
-    return path
+    return recorded(name, 1, "symbolic", overrides)
 
 
 def lost_at(path: Path) -> list[int]:
