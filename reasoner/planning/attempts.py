@@ -1,7 +1,7 @@
 """Counts of failed attempts: of each command in a row, and of each command from where the robot stands.
 
-An attempt after which a fluent that is still false is nearer to being true than ever before does not count as failed in
-the row: with a poor sensor, many looks are needed.
+An attempt after which a fluent that is still false is nearer to being true than ever before does not count as failed:
+a step may stand for many looks.
 """
 
 from collections import Counter
@@ -39,7 +39,7 @@ class Attempts:
         if isinstance(done.executes, Compound) and done.executes.name == "move":
             self._in_vain.clear()
         else:
-            self._in_vain[done.executes] = 0 if achieved else self._in_vain[done.executes] + 1
+            self._in_vain[done.executes] = 0 if achieved or nearer else self._in_vain[done.executes] + 1
 
     def _is_nearer(self, command: Term, degrees: Mapping[Term, float]) -> bool:
         """Keep the highest degrees after a command; return whether one has grown. A success forgets them."""

@@ -5,6 +5,7 @@ Bounds are terms in thousandths of the quantity's unit (metres, radians, ln kg, 
 puts no bound on that axis.
 """
 
+import bisect
 import math
 from typing import Final
 
@@ -16,7 +17,8 @@ from skolem.reasoner.terms import ANY, Compound, Term, nll
 from skolem.traces.messages import Quantity
 
 UNIT: Final = 1000.0
-MOST_OBSERVATIONS: Final = 64  # of one quantity; at a price of .1 nats each more would not be worth planning
+MOST_OBSERVATIONS: Final = 64  # of each axis; at a price of .1 nats each more would not be worth planning
+_LEAST_VARIANCE: Final = 1e-12  # added to what is inverted
 _STEPS: Final = 8  # of a plan that may lead together to one thousandth less
 _TURN: Final = {
     "pose": (None, None, 2 * math.pi),
@@ -62,39 +64,38 @@ def axes_of(bound: Term) -> list[tuple[int, float]]:
     return [(i, value / UNIT) for i, value in enumerate(bound.args) if isinstance(value, int)]
 
 
-def observations(sigma: Term, observation: NDArray[np.float64], present: NDArray[np.float64]) -> int:
-    """Return how many observations a plan takes as one step towards `sigma`: a fourth of those that are still needed.
-
-    Where few are needed, each is a step of its own. Where many are, a plan is only some steps longer. More than
-    MOST_OBSERVATIONS are not planned: each is a step, too short to lead anywhere.
+def observations(sigma: Term, observation: NDArray[np.float64], present: NDArray[np.float64]) -> int | None:
+    """Return how many observations bring a belief within `sigma`, at least one; None if they are too many to plan.
 
     Args:
         sigma: Bound on the covariance.
         observation: Covariance of one, shape (n, n).
         present: Covariance of the belief, shape (n, n).
     """
-    each = (
-        observation[axis, axis] * (1.0 / max(sd, 0.5 / UNIT) ** 2 - 1.0 / max(present[axis, axis], 1e-12))
-        for axis, sd in axes_of(sigma)
-    )
-    needed = max(each, default=0.0)
-    return max(1, math.floor(needed / 4.0)) if needed <= MOST_OBSERVATIONS else 1
+    least = _LEAST_VARIANCE * np.eye(len(present))
+
+    def suffice(count: int) -> bool:
+        gain = present @ np.linalg.inv(present + observation / count + least)
+        return _covered(present - gain @ present, sigma)
+
+    counts = range(1, MOST_OBSERVATIONS * max(1, len(axes_of(sigma))) + 1)
+    found = bisect.bisect_left(counts, True, key=suffice)
+    return counts[found] if found < len(counts) else None
 
 
-def before_observation(sigma: Term, observation: NDArray[np.float64], count: int = 1) -> Term:
-    """Return the Sigma needed before some observations for `sigma` to hold after them; `any` if none is needed.
+def before_observation(sigma: Term, observation: NDArray[np.float64]) -> Term:
+    """Return the Sigma needed before one observation for `sigma` to hold after it; `any` if none is needed.
 
     The observation's covariance is bounded by a diagonal one (Gershgorin). Each axis is regressed by
-    v_before = v_after v_sensor / (v_sensor - v_after), where v_sensor is that of the mean of all of them. The bound
-    is rounded down to a thousandth. If that is no progress, it is raised by a thousandth, provided a few steps
-    reach it: else no number would seem to help.
+    v_before = v_after v_sensor / (v_sensor - v_after). The bound is rounded down to a thousandth. If that is no
+    progress, it is raised by a thousandth, provided a few steps reach it: else no number would seem to help.
     """
     if not isinstance(sigma, Compound):
         return ANY
     axes, rows = axes_of(sigma), observation.tolist()
     needed: dict[int, Term] = {}
     for axis, sd in axes:
-        sensor = sum(abs(rows[axis][other]) for other, _ in axes) / count
+        sensor = sum(abs(rows[axis][other]) for other, _ in axes)
         after = sd**2
         if sensor <= after:
             needed[axis] = ANY

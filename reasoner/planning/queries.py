@@ -10,9 +10,6 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.bands import band, expected
 from skolem.reasoner.planning.situation import Situation, hand_named, quantity_named
@@ -134,19 +131,13 @@ class Queries:
         sensor = self._now.belief.observation_covariance(quantity_named(quantity), anchor)
         return gaussians.before_observation(sigma, sensor)
 
-    def observations(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term) -> Term:
-        """The number of observations of a quantity within mu +- delta that a plan takes as one step to sigma."""
-        belief = self._now.belief.gaussian(quantity_named(quantity), anchor)
-        return gaussians.observations(sigma, self._noise(quantity, anchor, mu, delta), belief.covariance)
-
-    def before_observations(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term, n: int) -> Term:
-        """Sigma needed before n observations of a quantity within mu +- delta; `any` if they alone suffice."""
-        return gaussians.before_observation(sigma, self._noise(quantity, anchor, mu, delta), n)
-
-    def _noise(self, quantity: str, anchor: str, mu: Term, delta: Term) -> NDArray[np.float64]:
-        """Return the covariance of one observation of the value that is expected within mu +- delta."""
-        belief, named = self._now.belief, quantity_named(quantity)
-        return belief.observation_covariance(named, anchor, expected(belief.gaussian(named, anchor), mu, delta))
+    def observations(self, quantity: str, anchor: str, mu: Term, sigma: Term, delta: Term) -> list[Term]:
+        """The number of observations of a quantity within mu +- delta that lead to sigma; empty if it is too great."""
+        named = quantity_named(quantity)
+        belief = self._now.belief.gaussian(named, anchor)
+        sensor = self._now.belief.observation_covariance(named, anchor, expected(belief, mu, delta))
+        count = gaussians.observations(sigma, sensor, belief.covariance)
+        return [] if count is None else [count]
 
     def before_reading(self, anchor: str, word: str, p: int) -> Term:
         """-ln of the belief in a type needed before one favourable look."""

@@ -68,14 +68,12 @@ class Reference:
                 yield self._look(o, fluent, o, [])
             case Compound("bn", (Compound("colour" | "pose" as quantity, (str(o),)), _, _, _, _)):
                 for seen in {o, *(self.q.standing_on(o) if quantity == "pose" else ())}:
-                    yield self._look(seen, fluent, o, self._earlier(fluent, quantity, o))
+                    if self._count(fluent) is not None:
+                        yield self._look(seen, fluent, o, self._earlier(fluent, quantity, o))
             case Compound("bn", (Compound("weight", (str(o),)), _, _, _, _)) if self.q.graspable(o):
-                needs = [
-                    (compound("krd", o), 0),
-                    (compound("held", "right", o), 1),
-                    *self._earlier(fluent, "weight", o),
-                ]
-                yield self._made(compound("weigh", o), [fluent], needs, executes=compound("weigh", o))
+                needs = [(compound("krd", o), 0), (compound("held", "right", o), 1)]
+                if self._count(fluent) is not None:
+                    yield self._made(compound("weigh", o), [fluent], needs, executes=compound("weigh", o))
             case Compound("b", (Compound("contents", (r,)), _)):
                 step = compound("look_region", r)
                 name, needs = compound("look_at_region", r), [(compound("at", step), 1)]
@@ -145,24 +143,23 @@ class Reference:
         needs += [(compound("clear", step), 1), (compound("at", step), 1), *more]
         missed = int(str(self.q.detected(str(about)))) if self.q.rigid(about) else 0
         costs = {f"missed({about})": missed} if self.q.rigid(about) else {}
-        if (count := self._count(fluent)) > 1:
+        count = (self.q.rigid(about) and self._count(fluent)) or 1
+        if count > 1:
             costs[f"missed_again({about})"] = (count - 1) * missed
         return self._made(step, [fluent], needs, costs, operation=compound("look_at", seen), executes=step)
 
-    def _count(self, fluent: Term) -> int:
-        """Return the number of looks or weighings in one step; it is 1 for a pose."""
+    def _count(self, fluent: Term) -> int | None:
+        """Return the number of looks or weighings in one step: 1 for a pose, None if there is none."""
         match fluent:
             case Compound("bn", (Compound("colour" | "weight" as quantity, (str(o),)), mean, sigma, delta, _)):
-                return int(str(self.q.observations(quantity, o, mean, sigma, delta)))
+                found = self.q.observations(quantity, o, mean, sigma, delta)
+                return int(str(found[0])) if found else None
         return 1
 
     def _earlier(self, fluent: Term, quantity: str, o: str) -> list[Need]:
         assert isinstance(fluent, Compound)
-        phi, mean, sigma, delta, p = fluent.args
-        if quantity == "pose":
-            before = self.q.before_look(quantity, o, sigma)
-        else:
-            before = self.q.before_observations(quantity, o, mean, sigma, delta, self._count(fluent))
+        phi, mean, sigma, _, p = fluent.args
+        before = self.q.before_look(quantity, o, sigma) if quantity == "pose" else ANY
         return [] if before == ANY else [(Compound("bn", (phi, mean, before, ANY, p)), 0)]
 
     def _remove(self, fluent: Term, activity: Term) -> Iterator[Instance]:
@@ -281,7 +278,14 @@ class Reference:
         priced = frozenset((parse_term(reason), cost) for reason, cost in (costs or {}).items())
         name = step if operation is None else operation
         return Instance(
-            step, name, priced, frozenset(results), frozenset(needs), frozenset(destroys), executes, immediate
+            step,
+            name,
+            priced,
+            frozenset(results),
+            frozenset(needs),
+            frozenset(destroys),
+            executes,
+            immediate,
         )
 
 

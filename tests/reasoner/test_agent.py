@@ -1,12 +1,15 @@
 """Whole turns of the reasoner with the real rules, on a belief that is a table."""
 
 import re
+from collections.abc import Collection
 
+import numpy as np
 import pytest
-from kit.minds import Region, Thing
+from kit.minds import Region, TableBelief, Thing
 from kit.papers import GREEN_TO_TABLE1, example, three_sodas
 from kit.places import DATA
 from kit.plays import BLUE, GREEN, LIMITS, RED, Play
+from numpy.typing import NDArray
 
 from skolem.reasoner import agent
 from skolem.reasoner.agent import Agent, Turn
@@ -15,6 +18,7 @@ from skolem.reasoner.planning.hierarchy import Change
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.planning.regression import Step
 from skolem.reasoner.rulebook.book import Rulebook
+from skolem.traces.messages import Quantity
 
 HEAVY_SODA = "exists o. B(Den(lambda x. And(Heavy(x), Soda(x)), o), 0.9) & B(In(o, table1), 0.9)"
 
@@ -131,6 +135,50 @@ def test_after_some_looks_in_vain_the_next_is_from_elsewhere(rulebook: Rulebook)
     end = play.turns[-1].end
     assert end is not None
     assert "without success 5 times: look(sodaC)" in end.reason
+
+
+class DimCamera(Play):
+    """A world in which one look at a colour does not suffice: each adds what the sensor promises, or nothing."""
+
+    NOISE = 0.15
+
+    def __init__(self, rulebook: Rulebook, useless: Collection[int] = ()) -> None:
+        limits = LIMITS.model_copy(update={"repeats": 4, "same_looks": 2})
+        tables = {f"table{k}": Thing({"table": 1.0}, pose_sd=0.005) for k in (1, 2)}
+        can = Thing({"soda": 0.95, "bottle": 0.05}, on="table2")
+        super().__init__(rulebook, GREEN_TO_TABLE1, tables | {"can": can}, limits=limits)
+        self.belief.observation_covariance = self._noise  # type: ignore[method-assign]
+        self._useless, self._looks = useless, 0
+
+    def carry_out(self, turn: Turn) -> None:
+        super().carry_out(turn)
+        if turn.action is not None and turn.action.op == "LookAt(can)":
+            self._looks += 1
+            can = self.belief.things["can"]
+            if self._looks not in self._useless:
+                can.hsv, can.hsv_sd = (GREEN, 0.9, 0.8), (can.hsv_sd**-2 + self.NOISE**-2) ** -0.5
+
+    def _noise(self, quantity: Quantity, anchor: str, at: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        if quantity == "colour":
+            return np.eye(3) * self.NOISE**2
+        return TableBelief.observation_covariance(self.belief, quantity, anchor, at)
+
+
+def test_looks_that_bring_an_object_nearer_to_what_is_asked_are_not_in_vain(rulebook: Rulebook) -> None:
+    play = DimCamera(rulebook)
+    operators = play.run()
+    *looks, _before_pick = [i for i, operator in enumerate(operators) if operator == "LookAt(can)"]
+    assert len(looks) > 4
+    assert looks == list(range(looks[0], looks[-1] + 1))
+    assert play.turns[-1].end is not None
+    assert play.turns[-1].end.status == "goal_achieved"
+
+
+def test_looks_that_bring_nothing_are_in_vain_although_others_did(rulebook: Rulebook) -> None:
+    play = DimCamera(rulebook, useless={3, 4})
+    operators = play.run()
+    first = operators.index("LookAt(can)")
+    assert operators[first : first + 6] == ["LookAt(can)"] * 4 + ["Move(look(can))", "LookAt(can)"]
 
 
 def test_where_nothing_known_can_be_meant_the_nearest_object_is_named(rulebook: Rulebook) -> None:

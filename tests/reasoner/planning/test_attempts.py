@@ -51,6 +51,7 @@ def test_looks_that_bring_a_belief_nearer_than_ever_are_not_counted_as_failed() 
     for degree in (0.3, 0.4, 0.5, 0.6, 0.7):
         attempts.judge(done(LOOK), {KNOWN: degree})
     assert not attempts.is_hopeless(look)
+    assert not attempts.fruitless_here()
     for degree in (0.6, 0.7, 0.705):  # what goes up and down comes no nearer
         attempts.judge(done(LOOK), {KNOWN: degree})
     assert attempts.is_hopeless(look)

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from skolem.reasoner import Normal
 from skolem.reasoner.planning import gaussians
-from skolem.reasoner.terms import ANY, Compound, Term, compound, nll, parse_term
+from skolem.reasoner.terms import ANY, Compound, compound, nll, parse_term
 
 SURE = nll(0.5)
 
@@ -92,25 +92,41 @@ def test_several_readings_turn_any_belief_around() -> None:
     assert readings < 8
 
 
-@given(st.integers(1, 60), st.floats(0.002, 0.2), st.floats(0.01, 1.0))
-def test_many_observations_are_few_steps(sd: int, sensor: float, prior: float) -> None:
-    """Rounding to thousandths makes both larger."""
-    noise, present = np.array([[sensor**2]]), np.array([[prior**2]])
-    bound: Term = compound("sd", sd)
-    needed = sensor**2 * ((sd / 1000) ** -2 - prior**-2)
-    if needed > gaussians.MOST_OBSERVATIONS:
-        return
-    taken, steps = 0, 0
-    while isinstance(bound, Compound) and not gaussians.holds(
-        "weight", Normal(np.zeros(1), present, 1.0), ANY, bound, ANY, SURE
-    ):
-        count = gaussians.observations(bound, noise, present)
-        taken, steps = taken + count, steps + 1
-        bound = gaussians.before_observation(bound, noise, count)
-    assert steps <= 32
-    assert taken <= 2.0 * max(needed, 0.0) + 1.0
+@given(
+    st.lists(st.integers(1, 60), min_size=3, max_size=3),
+    st.lists(st.floats(0.002, 0.2), min_size=3, max_size=3),
+    st.lists(st.floats(0.01, 1.0), min_size=3, max_size=3),
+    st.floats(-0.9, 0.9),
+)
+def test_no_fewer_observations_would_do(
+    bounds: list[int], sensor: list[float], prior: list[float], correlation: float
+) -> None:
+    related = np.eye(3) + correlation * (np.eye(3, k=1) + np.eye(3, k=-1)) / 2.0
+    noise, present = np.diag(sensor) @ related @ np.diag(sensor), np.diag(prior) ** 2
+    bound = compound("sd", *bounds)
+
+    def after(count: int) -> Normal:
+        covariance = np.linalg.inv(np.linalg.inv(present) + count * np.linalg.inv(noise))
+        return Normal(np.zeros(3), (covariance + covariance.T) / 2.0, 1.0)
+
+    def reached(count: int, slack: float) -> bool:
+        wider = Normal(np.zeros(3), after(count).covariance * slack, 1.0)
+        return gaussians.holds("colour", wider, ANY, bound, ANY, SURE)
+
+    count = gaussians.observations(bound, noise, present)
+    if count is None:
+        assert not reached(3 * gaussians.MOST_OBSERVATIONS, 1.0 + 1e-6)
+    else:
+        assert reached(count, 1.0 - 1e-6)
+        assert count == 1 or not reached(count - 1, 1.0 + 1e-6)
 
 
-@pytest.mark.parametrize(("sensor_sd", "count"), [(0.01, 1), (0.02, 1), (0.03, 2), (0.08, 15), (0.09, 1)])
-def test_a_fourth_of_the_observations_that_are_needed_is_one_step(sensor_sd: float, count: int) -> None:
-    assert gaussians.observations(parse_term("sd(10)"), np.array([[sensor_sd**2]]), np.eye(1) * 0.04**2) == count
+@pytest.mark.parametrize(("sensor_sd", "count"), [(0.01, 1), (0.02, 4), (0.03, 9), (0.08, 62), (0.09, None)])
+def test_observations_add_up_and_very_many_are_not_planned(sensor_sd: float, count: int | None) -> None:
+    prior = np.eye(1) * 0.05**2
+    assert gaussians.observations(parse_term("sd(10)"), np.array([[sensor_sd**2]]), prior) == count
+
+
+def test_what_holds_already_and_what_has_no_bound_take_one_observation() -> None:
+    assert gaussians.observations(parse_term("sd(10)"), np.eye(1), np.eye(1) * 0.01**2 * 0.99) == 1
+    assert gaussians.observations(ANY, np.eye(1), np.eye(1)) == 1

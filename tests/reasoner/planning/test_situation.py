@@ -63,6 +63,17 @@ def test_a_look_that_was_in_vain_here_is_asked_for_from_elsewhere() -> None:
     assert situation("left").activity(look) is None
 
 
+def test_the_degree_of_a_gaussian_fluent_grows_up_to_its_bound_on_the_axes_that_have_one() -> None:
+    def degree(pose_sd: float, bounds: str) -> float:
+        believed = TableBelief({"o1": Thing({"soda": 1.0}, pose_sd=pose_sd)})
+        at = Situation(believed, TableGeometry(), lambda *_: 0.0, lambda *_: 0.0, {})
+        return at.degree(parse_term(f"bn(pose(o1),any,{bounds},any,1)"))
+
+    assert degree(0.02, "sd(8,8,any)") < degree(0.01, "sd(8,8,any)") < degree(0.008, "sd(8,8,any)")
+    assert degree(0.008, "sd(8,8,any)") == degree(0.001, "sd(8,8,any)")
+    assert degree(0.02, "any") == degree(0.01, "any") == 0.0
+
+
 def test_what_no_hand_holds_is_neither_weighed_nor_placed() -> None:
     weigh, place = parse_term("weigh(can)"), parse_term("place(can,table,nothing)")
     assert (situation(None).activity(weigh), situation(None).activity(place)) == (None, None)
