@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 
 from skolem.sim.scenario.document import Address, nearest
 from skolem.sim.scenario.models import REGION_NAME, BasePose, BelievedObject, Disturbance, Place, WorldObject
-from skolem.sim.scenario.sizes import MOST_HELD_KG, MOST_KG, MOST_MOVES
+from skolem.sim.scenario.sizes import MOST_HELD_KG, MOST_KG, MOST_MOVES, MOST_OF_LIMITS
 from skolem.sim.space.footprints import Footprint, footprint, overhang, overlaps
 from skolem.traces.messages import ObjectType, Pose2
 from skolem.traces.messages.likeliest import likeliest
@@ -30,6 +30,7 @@ OWN_ANCHOR = "names of the form _o1_ are the robot's own; name it without unders
 def mistakes(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
     """Yield every mistake between parts of the document, in no particular order."""
     world = _readable(values, ("world",), WorldObject)
+    yield from _limits(values)
     yield from _names(values, ("world",))
     yield from _names(values, ("belief", "objects"))
     yield from _regions(values, types)
@@ -40,6 +41,15 @@ def mistakes(values: Mapping[str, Any], types: Types) -> Iterator[Mistake]:
     yield from _disturbances(values, world, types)
     yield from _collisions(world, types)
     yield from _robot(values, world, types)
+
+
+def _limits(values: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield the counts that no run could reach before memory or disk are full."""
+    limits = values.get("limits")
+    for name, most in MOST_OF_LIMITS.items():
+        count = limits.get(name) if isinstance(limits, dict) else None
+        if isinstance(count, int) and count > most:
+            yield ("limits", name), f"expected at most {most}: more would fill memory or disk (got {str(count)[:20]})"
 
 
 def placed(world: Iterable[WorldObject], types: Types) -> dict[str, Pose2]:

@@ -21,6 +21,7 @@ from skolem.sim.scenario.sizes import (
     Gain,
     Height,
     Kilograms,
+    LimitsWithin,
     LogDeviation,
     Metres,
     Newtons,
@@ -309,7 +310,7 @@ class Scenario(Model):
     about: str = ""
     goal: str
     seed: Annotated[Seed, Field(description="every draw is keyed by (seed, step, stream)")]
-    limits: Limits
+    limits: Annotated[Limits, LimitsWithin()]
     rules: Annotated[
         tuple[str, ...], Field(max_length=MOST_FILES, description="extra rule files, relative to this file")
     ] = ()

@@ -18,6 +18,28 @@ MOST_KG: Final = 100.0
 MOST_HELD_KG: Final = 10.0  # by friction between the fingers, which press with about 55 N each
 
 
+MOST_OF_LIMITS: Final = {  # greater counts fill memory and disk before they are reached
+    "steps": 10_000,
+    "expansions": 100_000,
+    "hierarchy_depth": 100,
+    "repeats": 10_000,
+    "same_looks": 10_000,
+    "plan_changes": 10_000,
+}
+
+
+class LimitsWithin:
+    """The upper bounds of the counts of `limits`, for the JSON Schema; `checks` refuses what is beyond them."""
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the JSON Schema of limits, with their upper bounds."""
+        found = handler(schema)
+        counts = handler.resolve_ref_schema(found)["properties"]
+        for name, most in MOST_OF_LIMITS.items():
+            counts[name]["maximum"] = most
+        return found
+
+
 @dataclass(frozen=True, slots=True)
 class Between:
     """The bounds of a number, for the reader of scenarios and for the JSON Schema.

@@ -16,11 +16,11 @@ from skolem.traces.messages.base import (
 
 
 class Limits(Message):
-    """Counts after which a run gives up; never seconds. Upper bounds keep memory and traces within some gigabytes."""
+    """Counts after which a run gives up; never seconds."""
 
-    steps: Annotated[int, Field(gt=0, le=10_000, description="executed actions")] = 60
-    expansions: Annotated[int, Field(gt=0, le=100_000, description="per call of the regression")] = 2000
-    hierarchy_depth: Annotated[int, Field(ge=12, le=100, description="layers of the plan stack")] = 16
+    steps: Annotated[int, Field(gt=0, description="executed actions")] = 60
+    expansions: Annotated[int, Field(gt=0, description="per call of the regression")] = 2000
+    hierarchy_depth: Annotated[int, Field(ge=12, description="layers of the plan stack")] = 16
     min_plan_probability: Probability = 1e-4
     min_plausible: Annotated[
         Probability, Field(description="P that an object is meant, or a region holds such a thing: less is not tried")
@@ -28,13 +28,9 @@ class Limits(Message):
     min_favourable: Annotated[
         Probability, Field(description="chance at least given to one observation, since it can be repeated")
     ] = 0.5
-    repeats: Annotated[
-        int, Field(gt=0, le=10_000, description="of one action without success, before it is given up")
-    ] = 10
-    same_looks: Annotated[
-        int, Field(gt=0, le=10_000, description="in vain from one place, before the next is from elsewhere")
-    ] = 3
-    plan_changes: Annotated[int, Field(gt=0, le=10_000, description="of the plan stack in one decision")] = 100
+    repeats: Annotated[int, Field(gt=0, description="of one action without success, before it is given up")] = 10
+    same_looks: Annotated[int, Field(gt=0, description="in vain from one place, before the next is from elsewhere")] = 3
+    plan_changes: Annotated[int, Field(gt=0, description="of the plan stack in one decision")] = 100
     optimal: Annotated[
         bool, Field(description="take more time, so that no plan at all is likelier than the one found")
     ] = False
