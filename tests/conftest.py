@@ -1,7 +1,6 @@
 """What every test shares: golden texts, reproducible hypothesis examples, the type checkers' view, a small trace."""
 
 import difflib
-import gc
 import os
 import runpy
 import tempfile
@@ -41,12 +40,6 @@ def pytest_configure(config: pytest.Config) -> None:
         folder = tempfile.TemporaryDirectory()
         os.environ[RECORDINGS] = folder.name
         config.add_cleanup(folder.cleanup)
-
-
-def pytest_collection_finish() -> None:
-    """Keep the garbage collector from looking at what stays to the end: modules, tests and their parameters."""
-    gc.collect()
-    gc.freeze()
 
 
 @pytest.fixture

@@ -49,11 +49,16 @@ class _Span:
         return (self.high - self.low - 2.0 * _LEAST_REACH) / (sd * edges) if edges else math.inf
 
     def mass(self, margin: float, sd: float) -> float:
-        """Return the least mass inside of a Gaussian whose mean is `margin` sds or more from each closed edge."""
+        """Return the least mass inside of a Gaussian whose mean is `margin` sds or more from each closed edge.
+
+        The Gaussian is cut off at an open edge. The least is that of the mean nearest to the closed edge.
+        """
         if self.everything:
             return 1.0
-        beyond = 0.0 if self.open_low or self.open_high else _STANDARD.cdf(margin - (self.high - self.low) / sd)
-        return _STANDARD.cdf(margin) - beyond
+        left = _STANDARD.cdf((self.high - self.low) / sd - margin)  # of the mass on the other edge's side
+        if self.open_low or self.open_high:
+            return 1.0 - _STANDARD.cdf(-margin) / left
+        return _STANDARD.cdf(margin) - (1.0 - left)
 
     def inner(self, margin: float, sd: float) -> tuple[float, float]:
         """Return the means that are `margin` sds or more from each closed edge."""

@@ -74,7 +74,7 @@ def exp_of_a_quarter() -> float:
 
 def test_a_change_that_is_nowhere_in_the_program_is_no_mutant() -> None:
     with pytest.raises(LookupError, match=r"estimation/se2.py:\d+: no function has the changed code"):
-        put_in(changed('"""The tangent', '"""A tangent'))
+        put_in(changed('"""Rigid motion', '"""XRigid motion'))
 
 
 def test_a_fork_that_loops_is_stopped_and_one_that_dies_is_told_of() -> None:
