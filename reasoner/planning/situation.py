@@ -116,12 +116,15 @@ class Situation:
         """Return how near a false fluent is to being true; only the growth between two moments says something.
 
         Of a belief that is its probability, of a Gaussian one the mean of -ln sd over the axes that Sigma bounds, with
-        no sd taken as less than its bound; of any other 0.
+        no sd taken as less than its bound; of any other 0. A pose counts as 0, too: what looks from here do not show of
+        it is seen from elsewhere.
         """
         match fluent:
             case Compound("b", (phi, _)):
                 return self.probability(phi)
-            case Compound("bn", (Compound(quantity, (str(anchor),)), _, sigma, *_)) if anchor in self._anchors:
+            case Compound("bn", (Compound(quantity, (str(anchor),)), _, sigma, *_)) if (
+                quantity != "pose" and anchor in self._anchors
+            ):
                 variances = np.diag(self.belief.gaussian(quantity_named(quantity), anchor).covariance)
                 bounded = [max(variances[axis], bound**2, _CERTAIN) for axis, bound in gaussians.axes_of(sigma)]
                 return float(-0.5 * np.mean(np.log(bounded))) if bounded else 0.0

@@ -64,14 +64,22 @@ def test_a_look_that_was_in_vain_here_is_asked_for_from_elsewhere() -> None:
 
 
 def test_the_degree_of_a_gaussian_fluent_grows_up_to_its_bound_on_the_axes_that_have_one() -> None:
-    def degree(pose_sd: float, bounds: str) -> float:
-        believed = TableBelief({"o1": Thing({"soda": 1.0}, pose_sd=pose_sd)})
-        at = Situation(believed, TableGeometry(), lambda *_: 0.0, lambda *_: 0.0, {})
-        return at.degree(parse_term(f"bn(pose(o1),any,{bounds},any,1)"))
+    def degree(hsv_sd: float, bounds: str) -> float:
+        return colour_or_pose("colour", bounds, Thing({"soda": 1.0}, hsv_sd=hsv_sd))
 
     assert degree(0.02, "sd(8,8,any)") < degree(0.01, "sd(8,8,any)") < degree(0.008, "sd(8,8,any)")
     assert degree(0.008, "sd(8,8,any)") == degree(0.001, "sd(8,8,any)")
     assert degree(0.02, "any") == degree(0.01, "any") == 0.0
+
+
+def test_a_pose_has_no_degree_since_other_stances_show_more_of_it() -> None:
+    poorly, well = (Thing({"soda": 1.0}, pose_sd=sd) for sd in (0.05, 0.01))
+    assert colour_or_pose("pose", "sd(8,8,any)", poorly) == colour_or_pose("pose", "sd(8,8,any)", well) == 0.0
+
+
+def colour_or_pose(quantity: str, bounds: str, thing: Thing) -> float:
+    at = Situation(TableBelief({"o1": thing}), TableGeometry(), lambda *_: 0.0, lambda *_: 0.0, {})
+    return at.degree(parse_term(f"bn({quantity}(o1),any,{bounds},any,1)"))
 
 
 def test_what_no_hand_holds_is_neither_weighed_nor_placed() -> None:
