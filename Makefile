@@ -60,13 +60,13 @@ demo: setup
 	$(BIN)/skolem run $(SCENARIO) --seed $(SEED) -o $(TRACE)
 
 test: setup
-	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
+	$(BIN)/python -m pytest -q -n $(WORKERS)
 
 # Draws are random here alone: everywhere else the same inputs give the same bytes.
 fuzz: DRAWS := $(DRAWS)
 fuzz: setup
 	@echo "property tests on fresh examples, $(EXAMPLES) for every 100 of the tests'; again: make fuzz DRAWS=$(DRAWS) EXAMPLES=$(EXAMPLES)"
-	EXAMPLES=$(EXAMPLES) $(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m hypothesis --hypothesis-profile=fresh --hypothesis-seed=$(DRAWS)
+	EXAMPLES=$(EXAMPLES) $(BIN)/python -m pytest -q -n $(WORKERS) -m hypothesis --hypothesis-profile=fresh --hypothesis-seed=$(DRAWS)
 
 check: lint test fuzz wheel docs
 

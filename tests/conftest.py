@@ -3,14 +3,13 @@
 import difflib
 import os
 import runpy
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 from kit.draws import USUAL
-from kit.places import RECORDINGS, ROOT
+from kit.places import ROOT
 
 TYPE_FARM = ROOT / ".types" / "skolem"
 PACKAGE_FOLDERS = ("rules", "reasoner", "estimation", "sim", "traces", "tools")
@@ -32,14 +31,6 @@ settings.load_profile("reproducible")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="rewrite the golden texts under tests/data")
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """Make the folder of recorded runs, which all processes of the tests share, and remove it at the end."""
-    if not hasattr(config, "workerinput"):
-        folder = tempfile.TemporaryDirectory()
-        os.environ[RECORDINGS] = folder.name
-        config.add_cleanup(folder.cleanup)
 
 
 @pytest.fixture
@@ -66,11 +57,15 @@ def record_run() -> Callable[..., str]:
 
 
 @pytest.fixture(scope="session")
-def green_trace() -> Path:
+def green_trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the trace of a whole run in the world without physics, in which plans are dropped."""
-    from kit.recordings import recorded
+    from skolem.tools.loop.session import run
+    from skolem.tools.loop.setup import prepare
 
-    return recorded("sim1_green", 3)
+    path = tmp_path_factory.mktemp("green") / "green.mcap"
+    setup = prepare(ROOT / "scenarios" / "sim1_green.yaml", seed=3, world="symbolic")
+    run(setup, path)
+    return path
 
 
 @pytest.fixture(scope="session")

@@ -9,4 +9,3 @@ DATA: Final = TESTS / "data"
 GOLDEN: Final = TESTS / "golden"
 RULES: Final = ROOT / "rules"
 SCENARIOS: Final = ROOT / "scenarios"
-RECORDINGS = "SKOLEM_TEST_RECORDINGS"  # the environment variable with the folder of recorded runs: conftest makes it

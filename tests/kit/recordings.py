@@ -1,13 +1,11 @@
-"""Traces of whole runs on disk, each made once by whichever process of the tests needs it first, and spoilt copies."""
+"""Traces of whole runs on disk, each recorded once, and edited copies of them."""
 
-import fcntl
-import hashlib
-import os
+import tempfile
 from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 
-from kit.places import RECORDINGS, SCENARIOS
+from kit.places import SCENARIOS
 
 from skolem.tools.loop.session import run
 from skolem.tools.loop.setup import prepare
@@ -15,26 +13,15 @@ from skolem.traces.file.reader import Recorded, Trace
 from skolem.traces.file.writer import TraceWriter
 from skolem.traces.messages import JSON_TOPICS, Message
 
+_FOLDER = tempfile.TemporaryDirectory()  # removed after the tests
+
 
 @cache
 def recorded(name: str, seed: int = 0, world: str = "symbolic", overrides: tuple[str, ...] = ()) -> Path:
-    """Return the trace of a run of a scenario file, made at the first call; it is to be read only."""
-    asked = hashlib.sha256(repr((name, seed, world, overrides)).encode()).hexdigest()[:16]
-    path = _folder() / asked / f"{name}-{seed}-{world}.mcap"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with (path.parent / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not path.exists():
-            new = path.with_suffix(".new.mcap")
-            run(prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world), new)
-            new.rename(path)
+    """Return the trace of a run of a scenario file, recorded at the first call."""
+    path = Path(_FOLDER.name) / f"{name}-{seed}-{world}-{abs(hash(overrides))}.mcap"
+    run(prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world), path)
     return path
-
-
-def _folder() -> Path:
-    """Return the folder of the workers of xdist; any other process has its own, since a fork may try out a mutant."""
-    owner = "workers" if "PYTEST_XDIST_WORKER" in os.environ else str(os.getpid())
-    return Path(os.environ[RECORDINGS]) / owner
 
 
 def rewritten(path: Path, out: Path, edit: Callable[[Recorded], Iterable[Message]]) -> Path:

@@ -6,14 +6,18 @@ stand in docs/results.md. The tests run few seeds, so that they stay short.
 """
 
 import re
+import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
-from kit.recordings import recorded
+from kit.places import SCENARIOS
 from kit.tabletop import EXACT, TYPES, near_table
 
 from skolem.sim.truth.bodies import TrueBody
+from skolem.tools.loop.session import run
+from skolem.tools.loop.setup import prepare
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import (
     HANDS,
@@ -106,20 +110,24 @@ def _about(question: Geometry) -> tuple[str, str]:
 @cache
 def ran(name: str, seed: int = 0, world: str = "symbolic", overrides: tuple[str, ...] = ()) -> Run:
     """Return a run of a scenario file, executed at the first call."""
-    trace = Trace(recorded(name, seed, world, overrides))
-    (end,), (verdict,) = trace.of(RunEnd), trace.of(Verdict)
-    return Run(
-        tuple(trace.of(Action)),
-        tuple(trace.of(ActionResult)),
-        tuple(trace.of(Observation)),
-        tuple(trace.of(Belief)),
-        tuple(trace.of(Plan)),
-        tuple(trace.of(Decision)),
-        tuple(trace.of(Geometry)),
-        tuple(trace.of(TrueState)),
-        end,
-        verdict,
-    )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.mcap"
+        setup = prepare(SCENARIOS / f"{name}.yaml", overrides, seed, world)
+        run(setup, path)
+        trace = Trace(path)
+        (end,), (verdict,) = trace.of(RunEnd), trace.of(Verdict)
+        return Run(
+            tuple(trace.of(Action)),
+            tuple(trace.of(ActionResult)),
+            tuple(trace.of(Observation)),
+            tuple(trace.of(Belief)),
+            tuple(trace.of(Plan)),
+            tuple(trace.of(Decision)),
+            tuple(trace.of(Geometry)),
+            tuple(trace.of(TrueState)),
+            end,
+            verdict,
+        )
 
 
 def over(name: str, seeds: Iterable[int]) -> list[Run]:

@@ -76,9 +76,14 @@ def test_what_is_heavier_than_a_number_is_found_out_by_weighing() -> None:
     assert min(end.conjuncts["heavier_than_450"], end.conjuncts["soda"]) > 0.9
 
 
-def test_of_more_certainty_than_any_sensor_gives_the_robot_says_that_it_is_out_of_reach() -> None:
-    end, _ = ended("B(Light(sodaC), 0.999999)")
-    assert end.status == "goal_unachievable"
+def test_more_certainty_than_one_reading_gives_takes_more_readings() -> None:
+    def weighings(p: float) -> int:
+        trace = Trace(recorded("sim1_green", 0, "symbolic", (f"goal=B(Light(sodaC), {p})",)))
+        (end,) = trace.of(RunEnd)
+        assert end.status == "goal_achieved"
+        return sum(action.command.kind == "weigh" for action in trace.of(Action))
+
+    assert weighings(0.9) < weighings(0.999999)
 
 
 @pytest.mark.parametrize(
