@@ -9,6 +9,7 @@ Every value prints as text that `parser` reads back as an equal value.
 """
 
 import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import UnionType
@@ -26,6 +27,8 @@ QUANTITIES: Final[dict[str, "QuantityName"]] = {
 RESERVED_WORDS: Final = frozenset({"B", "KRD", "Den", "Holds", "And", "Or", "Exists", *QUANTITIES, *SPATIAL})
 DIMENSIONS: Final = {"pose": 3, "colour": 3, "weight": 1}
 QuantityName = Literal["pose", "colour", "weight"]
+CountKind = Literal["exactly", "at least", "at most"]
+DescriptionKind = Literal["lambda", "the", "heaviest", "lightest", "nearest"]
 
 
 def constant_of(word: str) -> str:
@@ -124,7 +127,63 @@ class Exists:
         return f"exists {self.variable}. {self.body}"
 
 
-Expression = Atom | And | Or | Exists
+@dataclass(frozen=True, slots=True)
+class Not:
+    """The body does not hold."""
+
+    body: "Expression"
+
+    def __str__(self) -> str:
+        return f"not {_operand(self.body, Atom | Not | Was)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Same:
+    """Both are one object; its negation is written `x != y`."""
+
+    left: Object
+    right: Object
+
+    def __str__(self) -> str:
+        return f"{self.left} = {self.right}"
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """The body holds for a number of objects."""
+
+    kind: CountKind
+    number: int
+    variable: str
+    body: "Expression"
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.number} {self.variable}. {self.body}"
+
+
+@dataclass(frozen=True, slots=True)
+class Every:
+    """The body holds for every object that the condition holds for."""
+
+    variable: str
+    condition: "Expression"
+    body: "Expression"
+
+    def __str__(self) -> str:
+        return f"every {self.variable}. {_operand(self.condition, Atom | And | Or | Not)} -> {self.body}"
+
+
+@dataclass(frozen=True, slots=True)
+class Was:
+    """The body held when the goal was stated."""
+
+    body: "Expression"
+
+    def __str__(self) -> str:
+        return f"Was({self.body})"
+
+
+Expression = Atom | And | Or | Exists | Not | Same | Count | Every | Was
 
 
 def _operand(expression: Expression, plain: type | UnionType) -> str:
@@ -134,13 +193,24 @@ def _operand(expression: Expression, plain: type | UnionType) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Lambda:
-    """A description of the objects for which the body holds. No two binders in it share a name."""
+    """A description of the objects for which the body holds. No two binders in it share a name.
+
+    Attributes:
+        variable: The variable that it binds.
+        body: What holds of the object.
+        kind: `lambda` for any such object; `the` for the only one; `heaviest` and `lightest` for the one of all such
+            objects that weighs most or least; `nearest` for the one nearest to another object.
+        to: The other object of `nearest`.
+    """
 
     variable: str
     body: Expression
+    kind: DescriptionKind = "lambda"
+    to: Name | None = None
 
     def __str__(self) -> str:
-        return f"lambda {self.variable}. {self.body}"
+        to = f" to {self.to}" if self.to else ""
+        return f"{self.kind} {self.variable}{to}. {self.body}"
 
 
 # ---------------------------------------------------------------- goals
@@ -169,10 +239,33 @@ class Holds:
 
 
 @dataclass(frozen=True, slots=True)
+class Sentence:
+    """A statement about the world that names no variable of the goal: `exactly 2 x. Can(x) & On(x, table1)`."""
+
+    body: Expression
+
+    def __str__(self) -> str:
+        return str(self.body)
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """All parts hold in one world: `B(Den(lambda x. Can(x), o) & On(o, table1), 0.9)`."""
+
+    parts: tuple[Den | Holds | Atom, ...]
+
+    def __str__(self) -> str:
+        return " & ".join(map(str, self.parts))
+
+
+Phi = Den | Holds | Atom | Sentence | Together
+
+
+@dataclass(frozen=True, slots=True)
 class Believed:
     """B(phi, p): phi is believed with probability at least p."""
 
-    phi: Den | Holds | Atom
+    phi: Phi
     p: float
 
     def __str__(self) -> str:
@@ -223,32 +316,66 @@ def arguments_of(conjunct: Conjunct) -> tuple[Argument, ...]:
     """Return the objects and numbers in a conjunct."""
     if not isinstance(conjunct, Believed):
         return (conjunct.argument,)
-    return conjunct.phi.args if isinstance(conjunct.phi, Atom) else (conjunct.phi.argument,)
+    return tuple(argument for part in parts_of(conjunct.phi) for argument in _arguments(part))
+
+
+def parts_of(phi: Phi) -> tuple[Den | Holds | Atom | Sentence, ...]:
+    """Return the parts of what is believed together; of anything else, that alone."""
+    return phi.parts if isinstance(phi, Together) else (phi,)
+
+
+def _arguments(phi: Den | Holds | Atom | Sentence) -> tuple[Argument, ...]:
+    match phi:
+        case Sentence():
+            return ()
+        case Atom():
+            return phi.args
+    return (phi.argument,)
 
 
 @dataclass(frozen=True)
 class Goal:
-    """A goal: objects exist for which every conjunct is believed; a variable means one object throughout."""
+    """A goal: objects exist for which every conjunct is believed; a variable means one object throughout.
+
+    Attributes:
+        variables: All variables, in order of appearance.
+        conjuncts: What is believed.
+        distinct: Groups of variables that mean different objects.
+    """
 
     variables: tuple[str, ...]
     conjuncts: tuple[Conjunct, ...]
+    distinct: tuple[tuple[str, ...], ...] = ()
 
     def __str__(self) -> str:
-        head = f"exists {', '.join(self.variables)}. " if self.variables else ""
-        return head + " & ".join(map(str, self.conjuncts))
+        free = [name for name in self.variables if not any(name in group for group in self.distinct)]
+        heads = [f"exists distinct {', '.join(group)}. " for group in self.distinct]
+        heads += [f"exists {', '.join(free)}. "] if free else []
+        return "".join(heads) + " & ".join(map(str, self.conjuncts))
 
     @cached_property
     def expressions(self) -> dict[str, Lambda]:
         """The distinct descriptions by their constants e1, e2, .. in order of appearance."""
-        phis = [conjunct.phi for conjunct in self.conjuncts if isinstance(conjunct, Believed)]
-        found = dict.fromkeys(phi.description for phi in phis if isinstance(phi, Den))
+        found = dict.fromkeys(phi.description for phi in self._phis() if isinstance(phi, Den))
         return {f"e{index}": description for index, description in enumerate(found, 1)}
+
+    @cached_property
+    def sentences(self) -> dict[str, Sentence]:
+        """The sentences by their constants s1, s2, .. in order of appearance."""
+        found = dict.fromkeys(phi for phi in self._phis() if isinstance(phi, Sentence))
+        return {f"s{index}": sentence for index, sentence in enumerate(found, 1)}
 
     @cached_property
     def fluents(self) -> tuple[Term, ...]:
         """The conjuncts as fluents, each once, sorted by text."""
-        constants = {description: constant for constant, description in self.expressions.items()}
+        constants: dict[Lambda | Sentence, str] = {value: name for name, value in self.expressions.items()}
+        constants |= {value: name for name, value in self.sentences.items()}
         return tuple(sorted({_fluent(conjunct, constants) for conjunct in self.conjuncts}, key=str))
+
+    def _phis(self) -> Iterator[Den | Holds | Atom | Sentence]:
+        for conjunct in self.conjuncts:
+            if isinstance(conjunct, Believed):
+                yield from parts_of(conjunct.phi)
 
 
 # ---------------------------------------------------------------- terms
@@ -259,7 +386,7 @@ def object_term(argument: Object) -> Term:
     return compound("var", argument.name) if isinstance(argument, Variable) else argument.name
 
 
-def _fluent(conjunct: Conjunct, constants: dict[Lambda, str]) -> Term:
+def _fluent(conjunct: Conjunct, constants: Mapping[Lambda | Sentence, str]) -> Term:
     match conjunct:
         case Designated(argument):
             return compound("krd", object_term(argument))
@@ -271,8 +398,12 @@ def _fluent(conjunct: Conjunct, constants: dict[Lambda, str]) -> Term:
             return compound("bn", quantity_term, value, _thousandths("sd", sd), _thousandths("tol", tolerance), nll(p))
 
 
-def _believed_term(phi: Den | Holds | Atom, constants: dict[Lambda, str]) -> Term:
+def _believed_term(phi: Phi, constants: Mapping[Lambda | Sentence, str]) -> Term:
     match phi:
+        case Together(parts):
+            return Compound("together", tuple(_believed_term(part, constants) for part in parts))
+        case Sentence():
+            return compound("holds_of_the_world", constants[phi])
         case Den(description, argument):
             return compound("den", constants[description], object_term(argument))
         case Holds(words, argument):

@@ -16,7 +16,21 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Lambda, Or, argument_term, constant_of
+from skolem.reasoner.language.expressions import (
+    And,
+    Atom,
+    Count,
+    Every,
+    Exists,
+    Expression,
+    Lambda,
+    Not,
+    Or,
+    Same,
+    Was,
+    argument_term,
+    constant_of,
+)
 from skolem.reasoner.protocols import GroundBeliefs, OpenBeliefs
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.rulebook.vocabulary import Vocabulary, comparison
@@ -112,6 +126,16 @@ def expression_term(expression: Expression) -> Term:
             return compound("or", expression_term(left), expression_term(right))
         case Exists(variable, body):
             return compound("exists", variable, expression_term(body))
+        case Not(body):
+            return compound("no", expression_term(body))
+        case Same(left, right):
+            return compound("same", argument_term(left), argument_term(right))
+        case Count(kind, number, variable, body):
+            return compound(kind.replace(" ", "_"), number, variable, expression_term(body))
+        case Every(variable, condition, body):
+            return compound("every", variable, expression_term(condition), expression_term(body))
+        case Was(body):
+            return compound("was", expression_term(body))
         case Atom(word, args):
             pairs = reduce(lambda rest, first: compound("", argument_term(first), rest), reversed(args), _NOTHING)
             return compound("r", constant_of(word), pairs)

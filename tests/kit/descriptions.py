@@ -74,6 +74,7 @@ def _numbered(expression: Expression, names: dict[str, str], numbers: Iterator[i
         case Atom(relation, arguments):
             renamed = tuple(Variable(names[a.name]) if isinstance(a, Variable) else a for a in arguments)
             return Atom(relation, renamed)
+    raise AssertionError(f"{expression} is not of the paper's language")
 
 
 @st.composite

@@ -86,6 +86,7 @@ def true_in(world: frozenset[Fact], expression: Expression, bound: Mapping[str, 
             )
         case Atom():
             return ground(expression, bound) in world
+    raise AssertionError(f"{expression} is not of the paper's language")
 
 
 def counted(text: str, anchor: str, belief: Belief) -> float:

@@ -95,6 +95,7 @@ def recurse(expression: Expression, bound: Mapping[str, str], belief: Table) -> 
             if word in ("On", "In"):
                 return belief.prob_on(names[0], names[1])
             return belief.prob_property(names[0], BOOK.vocabulary.meanings[constant_of(word)])
+    raise AssertionError(f"{expression} is not of the paper's language")
 
 
 @st.composite
