@@ -1,23 +1,33 @@
-"""The goal language as values: descriptions, conjuncts and goals, with their text and their terms.
+"""The goal language as values: what is believed, conjuncts and goals, with their text and their terms.
 
-A description is a lambda expression (section "Denoting objects"). A goal asks that some objects exist of which several
-statements are believed with given probabilities:
+A goal asks that some objects exist of which several statements are believed with given probabilities:
 
     exists o. B(Den(lambda x. Green(x), o), 0.9) & B(In(o, table1), 0.9)
 
 Every value prints as text that `parser` reads back as an equal value.
 """
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from types import UnionType
 from typing import Final, Literal
 
+from skolem.reasoner.language.descriptions import (
+    SPATIAL,
+    Argument,
+    Atom,
+    Expression,
+    Lambda,
+    Name,
+    Object,
+    Variable,
+    argument_term,
+    constant_of,
+    number_text,
+    object_term,
+)
 from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
 
-SPATIAL: Final = {"On": "on", "In": "on"}  # In(o, s) is read as: on the top region of s
 QUANTITIES: Final[dict[str, "QuantityName"]] = {
     "Color": "colour",
     "Colour": "colour",
@@ -27,193 +37,6 @@ QUANTITIES: Final[dict[str, "QuantityName"]] = {
 RESERVED_WORDS: Final = frozenset({"B", "KRD", "Den", "Holds", "And", "Or", "Exists", *QUANTITIES, *SPATIAL})
 DIMENSIONS: Final = {"pose": 3, "colour": 3, "weight": 1}
 QuantityName = Literal["pose", "colour", "weight"]
-CountKind = Literal["exactly", "at least", "at most"]
-DescriptionKind = Literal["lambda", "the", "heaviest", "lightest", "nearest"]
-
-
-def constant_of(word: str) -> str:
-    """Return the constant that stands for a relation word in the rules: `SodaBox` becomes `soda_box`."""
-    return SPATIAL.get(word) or re.sub(r"(?<!^)(?=[A-Z])", "_", word).lower()
-
-
-def word_of(constant: str) -> str:
-    """Return the relation word of a constant of the rules: `soda_box` becomes `SodaBox`."""
-    return "".join(part[:1].upper() + part[1:] for part in constant.split("_"))
-
-
-def number_text(value: float) -> str:
-    """Return the shortest text that reads back as `value`, without a trailing `.0`."""
-    return repr(float(value)).removesuffix(".0")
-
-
-@dataclass(frozen=True, slots=True)
-class Variable:
-    """A variable bound by a lambda or an `exists`."""
-
-    name: str
-
-    def __str__(self) -> str:
-        return self.name
-
-
-@dataclass(frozen=True, slots=True)
-class Name:
-    """A name of an object: an anchor."""
-
-    name: str
-
-    def __str__(self) -> str:
-        return self.name
-
-
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A numeric constant."""
-
-    value: float
-
-    def __str__(self) -> str:
-        return number_text(self.value)
-
-
-Object = Variable | Name
-Argument = Variable | Name | Number
-
-
-# ---------------------------------------------------------------- descriptions
-
-
-@dataclass(frozen=True, slots=True)
-class Atom:
-    """A relation word applied to variables, names and numbers: R(c1, .., cn)."""
-
-    word: str
-    args: tuple[Argument, ...]
-
-    def __str__(self) -> str:
-        return f"{self.word}({', '.join(map(str, self.args))})"
-
-
-@dataclass(frozen=True, slots=True)
-class And:
-    """Both expressions hold."""
-
-    left: "Expression"
-    right: "Expression"
-
-    def __str__(self) -> str:
-        return f"{_operand(self.left, Atom | And)} & {_operand(self.right, Atom)}"
-
-
-@dataclass(frozen=True, slots=True)
-class Or:
-    """At least one of two expressions holds."""
-
-    left: "Expression"
-    right: "Expression"
-
-    def __str__(self) -> str:
-        return f"{_operand(self.left, Atom | And | Or)} | {_operand(self.right, Atom | And)}"
-
-
-@dataclass(frozen=True, slots=True)
-class Exists:
-    """The body holds for some object."""
-
-    variable: str
-    body: "Expression"
-
-    def __str__(self) -> str:
-        return f"exists {self.variable}. {self.body}"
-
-
-@dataclass(frozen=True, slots=True)
-class Not:
-    """The body does not hold."""
-
-    body: "Expression"
-
-    def __str__(self) -> str:
-        return f"not {_operand(self.body, Atom | Not | Was)}"
-
-
-@dataclass(frozen=True, slots=True)
-class Same:
-    """Both are one object; its negation is written `x != y`."""
-
-    left: Object
-    right: Object
-
-    def __str__(self) -> str:
-        return f"{self.left} = {self.right}"
-
-
-@dataclass(frozen=True, slots=True)
-class Count:
-    """The body holds for a number of objects."""
-
-    kind: CountKind
-    number: int
-    variable: str
-    body: "Expression"
-
-    def __str__(self) -> str:
-        return f"{self.kind} {self.number} {self.variable}. {self.body}"
-
-
-@dataclass(frozen=True, slots=True)
-class Every:
-    """The body holds for every object that the condition holds for."""
-
-    variable: str
-    condition: "Expression"
-    body: "Expression"
-
-    def __str__(self) -> str:
-        return f"every {self.variable}. {_operand(self.condition, Atom | And | Or | Not)} -> {self.body}"
-
-
-@dataclass(frozen=True, slots=True)
-class Was:
-    """The body held when the goal was stated."""
-
-    body: "Expression"
-
-    def __str__(self) -> str:
-        return f"Was({self.body})"
-
-
-Expression = Atom | And | Or | Exists | Not | Same | Count | Every | Was
-
-
-def _operand(expression: Expression, plain: type | UnionType) -> str:
-    """Return the text of an operand, in parentheses unless its class is among `plain`."""
-    return str(expression) if isinstance(expression, plain) else f"({expression})"
-
-
-@dataclass(frozen=True, slots=True)
-class Lambda:
-    """A description of the objects for which the body holds. No two binders in it share a name.
-
-    Attributes:
-        variable: The variable that it binds.
-        body: What holds of the object.
-        kind: `lambda` for any such object; `the` for the only one; `heaviest` and `lightest` for the one of all such
-            objects that weighs most or least; `nearest` for the one nearest to another object.
-        to: The other object of `nearest`.
-    """
-
-    variable: str
-    body: Expression
-    kind: DescriptionKind = "lambda"
-    to: Name | None = None
-
-    def __str__(self) -> str:
-        to = f" to {self.to}" if self.to else ""
-        return f"{self.kind} {self.variable}{to}. {self.body}"
-
-
-# ---------------------------------------------------------------- goals
 
 
 @dataclass(frozen=True, slots=True)
@@ -381,11 +204,6 @@ class Goal:
 # ---------------------------------------------------------------- terms
 
 
-def object_term(argument: Object) -> Term:
-    """Return `var(o)` for a variable and the anchor's constant for a name."""
-    return compound("var", argument.name) if isinstance(argument, Variable) else argument.name
-
-
 def _fluent(conjunct: Conjunct, constants: Mapping[Lambda | Sentence, str]) -> Term:
     match conjunct:
         case Designated(argument):
@@ -412,13 +230,6 @@ def _believed_term(phi: Phi, constants: Mapping[Lambda | Sentence, str]) -> Term
             return compound("prop", constant_of(word), object_term(argument))
         case Atom(word, args):
             return Compound(constant_of(word), tuple(map(argument_term, args)))
-
-
-def argument_term(argument: Argument) -> Term:
-    """Return `var(x)`, an anchor's constant, or `number(thousandths)`."""
-    if isinstance(argument, Number):
-        return compound("number", round(1000 * argument.value))
-    return object_term(argument)
 
 
 def _thousandths(functor: str, vector: tuple[float, ...]) -> Compound:

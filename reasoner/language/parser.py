@@ -18,29 +18,31 @@ from difflib import get_close_matches
 from typing import Final, TypeVar
 
 from skolem.reasoner.language.cursor import REFUSED, Cursor, ParseFault, Token, fault_at
-from skolem.reasoner.language.expressions import (
-    DIMENSIONS,
-    QUANTITIES,
+from skolem.reasoner.language.descriptions import (
     SPATIAL,
     And,
     Argument,
     Atom,
-    Believed,
-    Conjunct,
-    Den,
-    Designated,
-    Estimated,
     Exists,
     Expression,
-    Goal,
-    Holds,
     Lambda,
     Name,
     Number,
     Object,
     Or,
-    QuantityName,
     Variable,
+)
+from skolem.reasoner.language.expressions import (
+    DIMENSIONS,
+    QUANTITIES,
+    Believed,
+    Conjunct,
+    Den,
+    Designated,
+    Estimated,
+    Goal,
+    Holds,
+    QuantityName,
     arguments_of,
 )
 from skolem.reasoner.terms import ANY

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.reasoner.language.expressions import (
+from skolem.reasoner.language.descriptions import (
     And,
     Atom,
     Count,

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from itertools import product
 from typing import Final
 
-from skolem.reasoner.language.expressions import Lambda
+from skolem.reasoner.language.descriptions import Lambda
 from skolem.reasoner.planning.denotation import (
     STRANGER,
     Circuit,

@@ -2,20 +2,8 @@
 
 from collections.abc import Iterator
 
-from skolem.reasoner.language.expressions import (
-    SPATIAL,
-    And,
-    Atom,
-    Believed,
-    Den,
-    Estimated,
-    Exists,
-    Expression,
-    Goal,
-    Number,
-    Or,
-    word_of,
-)
+from skolem.reasoner.language.descriptions import SPATIAL, And, Atom, Exists, Expression, Number, Or, word_of
+from skolem.reasoner.language.expressions import Believed, Den, Estimated, Goal
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
 
 

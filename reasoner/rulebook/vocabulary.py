@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from skolem.reasoner.language.cursor import REFUSED
-from skolem.reasoner.language.expressions import RESERVED_WORDS, SPATIAL, word_of
+from skolem.reasoner.language.descriptions import SPATIAL, word_of
+from skolem.reasoner.language.expressions import RESERVED_WORDS
 from skolem.reasoner.rulebook.arguments import Position, Range, integers
 from skolem.reasoner.rulebook.colours import colour_boxes, gaps, meaning_of, overlaps
 from skolem.reasoner.terms import ANY, Compound

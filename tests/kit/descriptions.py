@@ -5,27 +5,29 @@ from itertools import count
 
 from hypothesis import strategies as st
 
-from skolem.reasoner.language.expressions import (
-    DIMENSIONS,
+from skolem.reasoner.language.descriptions import (
     And,
     Argument,
     Atom,
-    Believed,
-    Conjunct,
-    Den,
-    Designated,
-    Estimated,
     Exists,
     Expression,
-    Goal,
-    Holds,
     Lambda,
     Name,
     Number,
     Object,
     Or,
-    QuantityName,
     Variable,
+)
+from skolem.reasoner.language.expressions import (
+    DIMENSIONS,
+    Believed,
+    Conjunct,
+    Den,
+    Designated,
+    Estimated,
+    Goal,
+    Holds,
+    QuantityName,
 )
 
 PROPERTIES = ("Green", "Red", "Soda", "Heavy")

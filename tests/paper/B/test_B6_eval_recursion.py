@@ -11,7 +11,7 @@ from kit.papers import denotes, shipped
 from kit.searches import table_prior
 
 from skolem.estimation.belief import Belief
-from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Name, Or, Variable, constant_of
+from skolem.reasoner.language.descriptions import And, Atom, Exists, Expression, Name, Or, Variable, constant_of
 from skolem.reasoner.language.parser import parse_lambda
 from skolem.traces.messages import HsvBelief, PriorObject
 

@@ -4,7 +4,7 @@ import pytest
 from kit.papers import Handler, at_five_percent, can, denotes, posed, shipped
 
 from skolem.estimation.events import Looked, Missed
-from skolem.reasoner.language.expressions import Atom, Name, Number, Variable
+from skolem.reasoner.language.descriptions import Atom, Name, Number, Variable
 from skolem.reasoner.language.parser import parse_goal, parse_lambda
 from skolem.reasoner.planning.goals import achieved_by
 from skolem.traces.errors import InputError

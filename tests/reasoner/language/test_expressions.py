@@ -5,7 +5,8 @@ from hypothesis import given
 from kit.descriptions import OBJECTS, RELATIONS, goals
 from kit.draws import examples
 
-from skolem.reasoner.language.expressions import Goal, constant_of, word_of
+from skolem.reasoner.language.descriptions import constant_of, word_of
+from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.language.parser import parse_goal
 from skolem.reasoner.terms import parse_term
 

@@ -5,7 +5,8 @@ from hypothesis import given, strategies as st
 from kit.descriptions import OBJECTS, RELATIONS, goals, lambdas
 from kit.draws import examples
 
-from skolem.reasoner.language.expressions import And, Atom, Believed, Den, Exists, Goal, Lambda, Name, Or, Variable
+from skolem.reasoner.language.descriptions import And, Atom, Exists, Lambda, Name, Or, Variable
+from skolem.reasoner.language.expressions import Believed, Den, Goal
 from skolem.reasoner.language.parser import parse_goal, parse_lambda, read_goal
 from skolem.traces.errors import InputError
 

@@ -8,7 +8,7 @@ from kit.descriptions import OBJECTS, PROPERTIES, lambdas
 from kit.draws import examples
 from kit.relation_tables import BOOK, ROUNDING, WORDS, Table
 
-from skolem.reasoner.language.expressions import And, Atom, Exists, Expression, Lambda, Name, Or, Variable, constant_of
+from skolem.reasoner.language.descriptions import And, Atom, Exists, Expression, Lambda, Name, Or, Variable, constant_of
 from skolem.reasoner.language.parser import parse_lambda
 from skolem.reasoner.planning.denotation import compile_description, evaluate, expression_term
 from skolem.reasoner.planning.denotations import Denotations, alternatives
