@@ -1,21 +1,32 @@
 """A cursor over the tokens of a text: the base of recursive-descent parsers."""
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NoReturn
 
+from skolem.reasoner.language.remedies import hint_at_keyword, remedy_of_sign, remedy_of_word
 from skolem.traces.errors import Fault
 
 MAX_CHARACTERS: Final = 10_000
 MAX_PARTS: Final = 100  # atoms, operators and parentheses; keeps recursion shallow
-REFUSED: Final = {
-    "the": "definite descriptions are not supported: a description may fit several objects, one or none",
-    "iota": "definite descriptions are not supported: a description may fit several objects, one or none",
-    "not": "negation is not part of the goal language",
-    "forall": "only existential variables are part of the goal language",
+ALIASES: Final = {
+    "∃": "exists",
+    "∀": "every",
+    "λ": "lambda",
+    "ι": "the",  # noqa: RUF001 - the sign is meant
+    "¬": "not",
+    "∧": "&",
+    "∨": "|",  # noqa: RUF001 - the sign is meant
+    "→": "->",
+    "≠": "!=",
+    "iota": "the",
+    "forall": "every",
 }
 _TOKEN: Final = re.compile(
-    r"(?P<number>-?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<mark>[(),.&|])", re.ASCII
+    r"(?P<number>-?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*|[∃∀λι¬])"
+    r"|(?P<mark>[(),.&|∧∨→≠]|->|!=|=(?!>))",  # noqa: RUF001 - the signs are meant
+    re.ASCII,
 )
 
 
@@ -29,14 +40,20 @@ class ParseFault(Exception):  # noqa: N818 - it is a fault, reported as one
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A piece of text with its kind (number, name, mark or end) and its offset."""
+    """A piece of text with its kind (number, name, mark or end) and its offset.
+
+    Attributes:
+        text: As the language spells it: `exists` for ∃.
+        written: As it is written.
+    """
 
     kind: str
     text: str
     offset: int
+    written: str
 
     def __str__(self) -> str:
-        return "the end" if self.kind == "end" else repr(self.text)
+        return "the end" if self.kind == "end" else repr(self.written)
 
 
 def fault_at(text: str, offset: int, message: str) -> Fault:
@@ -61,21 +78,23 @@ def tokens_of(text: str) -> list[Token]:
             continue
         match = _TOKEN.match(text, offset)
         if match is None or match.lastgroup is None:
-            raise ParseFault(offset, REFUSED["not"] if text[offset] in "!~" else f"unexpected {text[offset]!r}")
-        found.append(Token(match.lastgroup, match.group(), offset))
+            raise ParseFault(offset, remedy_of_sign(text[offset:]) or f"unexpected {text[offset]!r}")
+        found.append(Token(match.lastgroup, ALIASES.get(match.group(), match.group()), offset, match.group()))
         offset = match.end()
-    return [*found, Token("end", "", len(text))]
+    return [*found, Token("end", "", len(text), "")]
 
 
 class Cursor:
     """The state of parsing one text.
 
     Attributes:
+        words: Every known relation word with its number of arguments.
         tokens: All tokens; the last one marks the end.
         faults: (offset, message) of every fault that did not stop the parser.
     """
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, words: Mapping[str, int]) -> None:
+        self.words = words
         self.tokens = tokens_of(text)
         self.faults: list[tuple[int, str]] = []
         self._position = self._parts = 0
@@ -84,6 +103,11 @@ class Cursor:
     def token(self) -> Token:
         """The next token."""
         return self.tokens[self._position]
+
+    @property
+    def ahead(self) -> Sequence[Token]:
+        """The next token and all after it."""
+        return self.tokens[self._position :]
 
     def take(self) -> Token:
         """Return the next token and move on; the cursor stays at the end."""
@@ -110,9 +134,16 @@ class Cursor:
 
     def stop(self, expected: str) -> NoReturn:
         """Raise a `ParseFault` at the next token."""
-        if self.token.text.lower() in REFUSED:
-            raise ParseFault(self.token.offset, REFUSED[self.token.text.lower()])
-        raise ParseFault(self.token.offset, f"{expected}, found {self.token}")
+        token = self.token
+        if token.kind != "name":
+            known = remedy_of_sign(token.text) if token.kind == "mark" else ""
+            self.stop_at(token, known or f"{expected}, found {token}")
+        remedy = remedy_of_word(token.text, self.words)
+        self.stop_at(token, remedy or f"{expected}, found {token}{hint_at_keyword(token.text, self.words)}")
+
+    def stop_at(self, token: Token, message: str) -> NoReturn:
+        """Raise a `ParseFault` at a token."""
+        raise ParseFault(token.offset, message)
 
     def complain(self, token: Token, message: str) -> None:
         """Record a fault at a token and go on."""
@@ -122,4 +153,4 @@ class Cursor:
         """Count one more part of the text; raise a `ParseFault` if there are too many."""
         self._parts += 1
         if self._parts > MAX_PARTS:
-            raise ParseFault(self.token.offset, f"more than {MAX_PARTS} parts; state a simpler goal")
+            self.stop_at(self.token, f"more than {MAX_PARTS} parts; state a simpler goal")

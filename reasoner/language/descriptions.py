@@ -87,7 +87,7 @@ class And:
     right: "Expression"
 
     def __str__(self) -> str:
-        return f"{_operand(self.left, Atom | And)} & {_operand(self.right, Atom)}"
+        return f"{_operand(self.left, And | _Unit)} & {_operand(self.right, _Unit)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,7 @@ class Or:
     right: "Expression"
 
     def __str__(self) -> str:
-        return f"{_operand(self.left, Atom | And | Or)} | {_operand(self.right, Atom | And)}"
+        return f"{_operand(self.left, And | Or | _Unit)} | {_operand(self.right, And | _Unit)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +119,9 @@ class Not:
     body: "Expression"
 
     def __str__(self) -> str:
-        return f"not {_operand(self.body, Atom | Not | Was)}"
+        if isinstance(self.body, Same):
+            return f"{self.body.left} != {self.body.right}"
+        return f"not {_operand(self.body, _Unit)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +157,7 @@ class Every:
     body: "Expression"
 
     def __str__(self) -> str:
-        return f"every {self.variable}. {_operand(self.condition, Atom | And | Or | Not)} -> {self.body}"
+        return f"every {self.variable}. {_operand(self.condition, And | Or | _Unit)} -> {self.body}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +171,7 @@ class Was:
 
 
 Expression = Atom | And | Or | Exists | Not | Same | Count | Every | Was
+_Unit = Atom | Not | Same | Was  # what needs no parentheses within any other expression
 
 
 def _operand(expression: Expression, plain: type | UnionType) -> str:

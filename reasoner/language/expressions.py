@@ -10,11 +10,11 @@ Every value prints as text that `parser` reads back as an equal value.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 from typing import Final, Literal
 
 from skolem.reasoner.language.descriptions import (
     SPATIAL,
-    Argument,
     Atom,
     Expression,
     Lambda,
@@ -34,7 +34,7 @@ QUANTITIES: Final[dict[str, "QuantityName"]] = {
     "Pose": "pose",
     "Weight": "weight",
 }
-RESERVED_WORDS: Final = frozenset({"B", "KRD", "Den", "Holds", "And", "Or", "Exists", *QUANTITIES, *SPATIAL})
+RESERVED_WORDS: Final = frozenset({"B", "KRD", "Den", "Holds", "And", "Or", "Exists", "Was", *QUANTITIES, *SPATIAL})
 DIMENSIONS: Final = {"pose": 3, "colour": 3, "weight": 1}
 QuantityName = Literal["pose", "colour", "weight"]
 
@@ -135,25 +135,9 @@ class Designated:
 Conjunct = Believed | Estimated | Designated
 
 
-def arguments_of(conjunct: Conjunct) -> tuple[Argument, ...]:
-    """Return the objects and numbers in a conjunct."""
-    if not isinstance(conjunct, Believed):
-        return (conjunct.argument,)
-    return tuple(argument for part in parts_of(conjunct.phi) for argument in _arguments(part))
-
-
 def parts_of(phi: Phi) -> tuple[Den | Holds | Atom | Sentence, ...]:
     """Return the parts of what is believed together; of anything else, that alone."""
     return phi.parts if isinstance(phi, Together) else (phi,)
-
-
-def _arguments(phi: Den | Holds | Atom | Sentence) -> tuple[Argument, ...]:
-    match phi:
-        case Sentence():
-            return ()
-        case Atom():
-            return phi.args
-    return (phi.argument,)
 
 
 @dataclass(frozen=True)
@@ -163,7 +147,7 @@ class Goal:
     Attributes:
         variables: All variables, in order of appearance.
         conjuncts: What is believed.
-        distinct: Groups of variables that mean different objects.
+        distinct: Groups of variables that mean different objects; each stands side by side in `variables`.
     """
 
     variables: tuple[str, ...]
@@ -171,9 +155,11 @@ class Goal:
     distinct: tuple[tuple[str, ...], ...] = ()
 
     def __str__(self) -> str:
-        free = [name for name in self.variables if not any(name in group for group in self.distinct)]
-        heads = [f"exists distinct {', '.join(group)}. " for group in self.distinct]
-        heads += [f"exists {', '.join(free)}. "] if free else []
+        group_of = {name: group for group in self.distinct for name in group}
+        heads = [
+            f"exists {'distinct ' if group else ''}{', '.join(names)}. "
+            for group, names in groupby(self.variables, lambda name: group_of.get(name, ()))
+        ]
         return "".join(heads) + " & ".join(map(str, self.conjuncts))
 
     @cached_property

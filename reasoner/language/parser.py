@@ -1,37 +1,27 @@
 """The parser of the goal language: recursive descent, with a position for every fault.
 
-    goal   = { "exists" name {"," name} "." } belief { "&" belief }
+    goal   = { "exists" ["distinct"] name {"," name} "." } belief { "&" belief }
     belief = "B(" phi "," p ")" | "B(" quantity "," mu "," Sigma "," Delta "," p ")" | "KRD(" object ")"
-    phi    = "Den(" lambda "," object ")" | "Holds((" word {"," word} ")," object ")" | word "(" arguments ")"
-    lambda = "lambda" name "." expr
-    expr   = expr "&" expr | expr "|" expr | "exists" name {"," name} "." expr | "(" expr ")" | word "(" arguments ")"
+    phi    = part { "&" part } | expr
+    part   = "Den(" lambda "," object ")" | "Holds((" word {"," word} ")," object ")" | word "(" arguments ")"
+    lambda = ("lambda" | "the" | "heaviest" | "lightest") name "." expr | "nearest" name "to" name "." expr
+    expr   = expr "&" expr | expr "|" expr | "not" expr | "(" expr ")" | "Was(" expr ")" | word "(" arguments ")"
+           | object "=" object | object "!=" object | "exists" name {"," name} "." expr
+           | "every" name "." expr "->" expr | ("exactly" | "at least" | "at most") number name "." expr
            | "And(" expr "," expr ")" | "Or(" expr "," expr ")" | "Exists(" name "," expr ")"
 
-`&` binds tighter than `|`; the body of a lambda or an `exists` reaches as far to the right as it can. A wrong structure
-stops the parser at once; wrong words, arities, variables, names and numbers are all collected.
+`not` binds tighter than `&`, and `&` tighter than `|`; what follows the dot of a variable reaches as far to the right
+as it can. The signs of the paper are read too (`cursor.ALIASES`). A phi of the form `expr` is a sentence: it names no
+variable of the goal. A wrong structure stops the parser at once; wrong words, arities, variables, names and numbers are
+all collected.
 """
 
-import math
-import re
-from collections.abc import Callable, Collection, Mapping
-from difflib import get_close_matches
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Final, TypeVar
 
-from skolem.reasoner.language.cursor import REFUSED, Cursor, ParseFault, Token, fault_at
-from skolem.reasoner.language.descriptions import (
-    SPATIAL,
-    And,
-    Argument,
-    Atom,
-    Exists,
-    Expression,
-    Lambda,
-    Name,
-    Number,
-    Object,
-    Or,
-    Variable,
-)
+from skolem.reasoner.language.cursor import ParseFault, Token, fault_at
+from skolem.reasoner.language.description_parser import MAX_NUMBER, DescriptionParser
+from skolem.reasoner.language.descriptions import And, Atom, Expression, Lambda
 from skolem.reasoner.language.expressions import (
     DIMENSIONS,
     QUANTITIES,
@@ -42,15 +32,18 @@ from skolem.reasoner.language.expressions import (
     Estimated,
     Goal,
     Holds,
+    Phi,
     QuantityName,
-    arguments_of,
+    Sentence,
+    Together,
 )
 from skolem.reasoner.terms import ANY
 from skolem.traces.errors import InputError
 
-MAX_NUMBER: Final = 1_000_000  # thousandths of it fit clingo's integers
-KEYWORDS: Final = frozenset({"exists", "lambda", ANY, *REFUSED})
-_OBJECT_NAME: Final = re.compile(r"_*[a-z]\w*", re.ASCII)
+# Words and signs that only a sentence has outside of arguments.
+_OF_SENTENCES: Final = frozenset(
+    {"not", "exists", "every", "exactly", "at", "Was", "Exists", "And", "Or", "|", "=", "!=", "->"}
+)
 
 _T = TypeVar("_T")
 
@@ -105,49 +98,33 @@ def _attempt(
     return value, sorted(set(faults))
 
 
-class _Parser(Cursor):
-    """A cursor that knows the variables in scope, the relation words and the objects."""
-
-    def __init__(self, text: str, words: Mapping[str, int], names: Collection[str] | None) -> None:
-        super().__init__(text)
-        self.words, self.names = words, names
-        self.variables: tuple[str, ...] = ()
-        self.bound: list[tuple[str, str]] = []  # (name in the text, unique name), innermost last
-        self.binders: dict[str, str] = {}  # every unique name of this lambda, with its name in the text
-        self.identifiers = {token.text for token in self.tokens if token.kind == "name"}
-
-    # ---- goals
+class _Parser(DescriptionParser):
+    """A parser of descriptions that knows beliefs and goals too."""
 
     def goal(self) -> Goal:
-        binders = self.quantifiers()
+        groups = self.heads()
+        binders = [token for _, group in groups for token in group]
         for index, token in enumerate(binders):
             if token.text in [earlier.text for earlier in binders[:index]]:
                 self.complain(token, f"variable {token.text!r} is bound twice")
         self.variables = tuple(dict.fromkeys(token.text for token in binders))
         conjuncts = self.conjunction()
-        used = {argument for conjunct in conjuncts for argument in arguments_of(conjunct)}
         for token in binders:
-            if Variable(token.text) not in used:
+            if token.text not in self.mentioned:
                 self.complain(token, f"variable {token.text!r} is never used")
-        return Goal(self.variables, tuple(conjuncts))
+        distinct = tuple(tuple(token.text for token in group) for apart, group in groups if apart)
+        return Goal(self.variables, tuple(conjuncts), distinct)
 
-    def quantifiers(self) -> list[Token]:
-        found: list[Token] = []
+    def heads(self) -> list[tuple[bool, list[Token]]]:
+        """Return each group of variables and whether it means different objects."""
+        found = []
         while self.accept("exists"):
-            found += self.binding_names()
+            apart = self.accept("distinct")
+            group = self.binding_names()
+            if apart and len(group) == 1:
+                self.complain(group[0], "one variable alone is not distinct; write exists distinct o, p.")
+            found.append((apart, group))
         return found
-
-    def binding_names(self) -> list[Token]:
-        found = [self.binding_name()]
-        while self.accept(","):
-            found.append(self.binding_name())
-        self.expect(".", " after the variable")
-        return found
-
-    def binding_name(self) -> Token:
-        if self.token.kind != "name" or not _OBJECT_NAME.fullmatch(self.token.text) or self.token.text in KEYWORDS:
-            self.stop("expected a variable, a name that starts with a lower-case letter")
-        return self.take()
 
     def conjunction(self) -> list[Conjunct]:
         found = self.conjunct()
@@ -167,6 +144,9 @@ class _Parser(Cursor):
             argument = self.object()
             self.expect(")")
             return [Designated(argument)]
+        if len(self.ahead) > 1 and self.ahead[1].text in ("=", "!="):
+            self.take()
+            self.stop("expected B(phi, p) or KRD(o)")
         if not self.accept("B"):
             self.stop("expected B(phi, p), B(phi, mu, Sigma, Delta, p) or KRD(o)")
         self.expect("(")
@@ -175,7 +155,7 @@ class _Parser(Cursor):
         return [found]
 
     def believed(self) -> Believed:
-        phi = self.phi()
+        phi: Phi = self.sentence() if self.is_sentence() else _joined(self.parts())
         self.refuse_or("between facts")
         self.expect(",", " and a probability")
         return Believed(phi, self.probability())
@@ -183,19 +163,47 @@ class _Parser(Cursor):
     def refuse_or(self, where: str) -> None:
         if self.token.text == "|":
             remedy = "it works inside a lambda: B(Den(lambda x. Green(x) | Red(x), o), 0.9)"
-            raise ParseFault(self.token.offset, f"'|' cannot stand {where}; {remedy}")
+            self.stop_at(self.token, f"'|' cannot stand {where}; {remedy}")
 
-    def phi(self) -> Den | Holds | Atom:
+    def is_sentence(self) -> bool:
+        """Return whether what is believed has connectives or quantifiers outside of `Den(..)`."""
+        outer = list(_outer(self.ahead))
+        mark = next((token for token in outer if token.text in _OF_SENTENCES), None)
+        if mark and mark.text != "|" and any(token.text in ("Den", "Holds") for token in outer):
+            remedy = "write it inside of a description, Den(lambda x. Can(x) & not On(x, table1), o), or apart"
+            self.stop_at(mark, f"{mark} cannot stand beside Den(..) or Holds(..); {remedy}: B(.., p) & B(.., p)")
+        return bool(mark) and not any(token.text in ("Den", "Holds") for token in outer)
+
+    def sentence(self) -> Phi:
+        self.enter("sentence")
+        body = self.expression()
+        self.leave()
+        atoms = _atoms_joined(body)
+        return _joined(atoms) if atoms else Sentence(body)
+
+    def parts(self) -> list[Den | Holds | Atom]:
+        found = self.part()
+        while self.accept("&"):
+            found += self.part()
+        return found
+
+    def part(self) -> list[Den | Holds | Atom]:
+        self.count_part()
+        if self.accept("("):
+            inner = self.parts()
+            self.refuse_or("between facts")
+            self.expect(")", " or '&'")
+            return inner
         if self.accept("Den"):
             self.expect("(")
             description = self.description()
             self.expect(",", " and the object that the description denotes")
             argument = self.object()
             self.expect(")")
-            return Den(description, argument)
+            return [Den(description, argument)]
         if self.accept("Holds"):
-            return self.holds()
-        return self.atom("a fact such as Den(lambda x. Green(x), o), On(o, s) or Green(o)")
+            return [self.holds()]
+        return [self.atom("a fact such as Den(lambda x. Green(x), o), On(o, s) or Green(o)")]
 
     def holds(self) -> Holds:
         self.expect("(")
@@ -239,150 +247,6 @@ class _Parser(Cursor):
             self.complain(first, f"{name} has components from {least:g} to {MAX_NUMBER:g}")
         return tuple(found)
 
-    # ---- descriptions
-
-    def description(self) -> Lambda:
-        if not self.accept("lambda"):
-            self.stop("expected 'lambda x. ..'")
-        self.bound, self.binders = [], {name: name for name in self.variables}
-        token = self.binding_name()
-        self.expect(".", " after the variable")
-        variable = self.bind(token)
-        body = self.expression()
-        self.bound.clear()
-        return Lambda(variable, body)
-
-    def bind(self, token: Token) -> str:
-        """Open the scope of a variable and return a name that is unique in this description."""
-        unique, count = token.text, 1
-        while unique in self.binders or (count > 1 and unique in self.identifiers):
-            count += 1
-            unique = f"{token.text}_{count}"
-        self.binders[unique] = token.text
-        self.bound.append((token.text, unique))
-        return unique
-
-    def expression(self) -> Expression:
-        found = self.all_of()
-        while self.accept("|"):
-            found = Or(found, self.all_of())
-        return found
-
-    def all_of(self) -> Expression:
-        found = self.unit()
-        while self.accept("&"):
-            found = And(found, self.unit())
-        return found
-
-    def unit(self) -> Expression:
-        self.count_part()
-        if self.accept("("):
-            found = self.expression()
-            self.expect(")", ", '&' or '|'")
-            return found
-        if self.accept("exists"):
-            return self.quantified(self.binding_names())
-        if self.accept("Exists"):
-            self.expect("(")
-            token = self.binding_name()
-            self.expect(",", " and what holds of it")
-            found = self.quantified([token])
-            self.expect(")")
-            return found
-        if self.token.text in ("And", "Or"):
-            return self.connective(And if self.take().text == "And" else Or)
-        return self.atom("an expression such as Green(x)")
-
-    def connective(self, kind: type[And] | type[Or]) -> Expression:
-        self.expect("(")
-        found = self.expression()
-        self.expect(",", f" and what else {kind.__name__} joins")
-        found = kind(found, self.expression())
-        while self.accept(","):
-            found = kind(found, self.expression())
-        self.expect(")")
-        return found
-
-    def quantified(self, tokens: list[Token]) -> Expression:
-        unique = [self.bind(token) for token in tokens]
-        for _ in tokens:
-            self.count_part()
-        found = self.expression()
-        del self.bound[len(self.bound) - len(tokens) :]
-        for name in reversed(unique):
-            found = Exists(name, found)
-        return found
-
-    def atom(self, expected: str) -> Atom:
-        first = self.token
-        if first.kind != "name" or not first.text[0].isupper() or self.is_refused(first):
-            self.stop(f"expected {expected}")
-        self.take()
-        self.expect("(", f" after the relation {first.text!r}")
-        objects_only = first.text in SPATIAL or self.words.get(first.text) == 1 or not self.bound
-        args = [self.argument(objects_only)]
-        while self.accept(","):
-            args.append(self.argument(objects_only))
-        self.expect(")", " or ','")
-        self.check_word(first, len(args))
-        return Atom(first.text, tuple(args))
-
-    # ---- words, objects, numbers
-
-    def word(self, arity: int) -> str:
-        if self.token.kind != "name" or not self.token.text[0].isupper() or self.is_refused(self.token):
-            self.stop("expected a property such as Green")
-        self.check_word(self.token, arity)
-        return self.take().text
-
-    def is_refused(self, token: Token) -> bool:
-        return token.text.lower() in REFUSED and token.text not in self.words
-
-    def check_word(self, token: Token, arity: int) -> None:
-        if token.text not in self.words:
-            self.complain(token, f"no relation {token.text!r}{_hint(token.text, self.words)}")
-        elif self.words[token.text] != arity:
-            wanted = self.words[token.text]
-            self.complain(token, f"{token.text} takes {wanted} argument{'s' * (wanted != 1)}, not {arity}")
-
-    def argument(self, objects_only: bool) -> Argument:
-        if self.token.kind == "number":
-            if objects_only:
-                self.complain(self.token, f"expected an object, found the number {self.token.text}")
-            elif abs(float(self.token.text)) > MAX_NUMBER:
-                self.complain(self.token, f"{self.token.text} is too large a number; at most {MAX_NUMBER}")
-            return Number(self.number())
-        return self.object()
-
-    def object(self) -> Object:
-        token = self.token
-        if token.kind != "name" or not _OBJECT_NAME.fullmatch(token.text) or token.text in KEYWORDS:
-            self.stop("expected a variable or the name of an object, which start with a lower-case letter")
-        self.take()
-        for name, unique in reversed(self.bound):
-            if name == token.text:
-                return Variable(unique)
-        if token.text in self.variables:
-            if self.bound:
-                self.complain(token, f"variable {token.text!r} of the goal cannot stand inside a description")
-            return Variable(token.text)
-        if self.names is not None and token.text not in self.names:
-            if token.text in self.binders.values():
-                self.complain(token, f"variable {token.text!r} is not bound here")
-            else:
-                hint = _hint(token.text, self.names)
-                self.complain(token, f"{token.text!r} is neither a bound variable nor a known object{hint}")
-        return Name(token.text)
-
-    def number(self) -> float:
-        if self.token.kind != "number":
-            self.stop("expected a number")
-        value = float(self.token.text)
-        if not math.isfinite(value):
-            self.complain(self.token, f"{self.token.text} is too large a number")
-        self.take()
-        return value
-
     def probability(self) -> float:
         token, value = self.token, self.number()
         if not 0.0 < value < 1.0:
@@ -390,8 +254,32 @@ class _Parser(Cursor):
         return value
 
 
-def _hint(wrong: str, known: Collection[str]) -> str:
-    close = get_close_matches(wrong, sorted(known), 1)
-    if close:
-        return f"; did you mean {close[0]!r}?"
-    return f" (known: {', '.join(sorted(known))})" if known else ""
+def _outer(tokens: Iterable[Token]) -> Iterator[Token]:
+    """Yield the tokens up to the comma or the parenthesis that ends what is believed, without arguments of words."""
+    calls: list[bool] = []  # of each open parenthesis: whether it holds the arguments of a word
+    before = ""
+    for token in tokens:
+        if token.text == ")" or (token.text == "," and not calls):
+            if not calls:
+                return
+            calls.pop()
+        elif not any(calls):
+            yield token
+        if token.text == "(":
+            calls.append(before[:1].isupper() and before not in _OF_SENTENCES)
+        before = token.text
+
+
+def _atoms_joined(expression: Expression) -> list[Atom]:
+    """Return the atoms of a conjunction of atoms; none if it is anything else."""
+    match expression:
+        case Atom():
+            return [expression]
+        case And(left, right):
+            first, second = _atoms_joined(left), _atoms_joined(right)
+            return first + second if first and second else []
+    return []
+
+
+def _joined(parts: Sequence[Den | Holds | Atom]) -> Den | Holds | Atom | Together:
+    return parts[0] if len(parts) == 1 else Together(tuple(parts))

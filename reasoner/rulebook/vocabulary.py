@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from skolem.reasoner.language.cursor import REFUSED
 from skolem.reasoner.language.descriptions import SPATIAL, word_of
 from skolem.reasoner.language.expressions import RESERVED_WORDS
+from skolem.reasoner.language.remedies import KEYWORDS
 from skolem.reasoner.rulebook.arguments import Position, Range, integers
 from skolem.reasoner.rulebook.colours import colour_boxes, gaps, meaning_of, overlaps
 from skolem.reasoner.terms import ANY, Compound
@@ -109,7 +109,7 @@ def _replaced(facts: Sequence[tuple[Compound, Position]], faults: list[Fault]) -
         word = fact.args[0]
         if not isinstance(word, str) or not _WORD.fullmatch(word):
             faults.append(position.fault(f"expected a word in lower case such as soda_box, found {word}", 0))
-        elif word_of(word) in RESERVED_WORDS or word == ANY or word in REFUSED:
+        elif word_of(word) in RESERVED_WORDS or word in KEYWORDS:
             faults.append(position.fault(f"{word!r} cannot be a word: the goal language uses it; {_ANOTHER}", 0))
         elif fact.name == "colour":
             before = colours.get(word, [])

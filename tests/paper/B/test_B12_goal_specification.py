@@ -39,7 +39,12 @@ def test_so_does_any_goal(goal: Goal) -> None:
     ("text", "line", "column", "message"),
     [
         ("put the green can on the desk", 1, 1, "expected B(phi, p)"),
-        ("exists o.\n  B(Den(the x. Green(x), o), 0.9)", 2, 9, "definite descriptions are not supported"),
+        (
+            "exists o.\n  B(On(the x. Green(x), desk), 0.9)",
+            2,
+            8,
+            "a description cannot stand in the place of an object",
+        ),
         ("exists o.\n  B(Den(lambda x. Green(x), o), 1.9)", 2, 33, "expected a probability between 0 and 1"),
         ("exists o.\n  B(Den(lambda x. Shiny(x), o), 0.9)", 2, 19, "no relation 'Shiny'"),
     ],
