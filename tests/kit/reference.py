@@ -1,13 +1,14 @@
 """The reference regressor: a second version of rule instances and search, in plain Python, for small problems.
 
 It shares only the terms, the fluents' relations (`patterns`) and the belief queries with the product. It has no rule
-file, no clingo, no memo and no order among equals. It is slow and short on purpose.
+file, no clingo, no order among equals, and remembers nothing but the steps that it took back before. It is slow and
+short on purpose.
 """
 
 import heapq
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cache
+from functools import cache, lru_cache
 
 from skolem.reasoner.planning.instances import Instance
 from skolem.reasoner.planning.patterns import Mutexes, entails
@@ -339,6 +340,7 @@ def cheapest(
     return None
 
 
+@lru_cache(1 << 16)  # the same conjunctions come again for other goals and at other levels
 def regressed(step: Instance, level: int, goal: Subgoal, mutexes: Mutexes) -> Subgoal | None:
     """Return the fluents that must hold before a step so that the goal holds after it; None if there are none."""
     rest = {f for f in goal if not any(entails(r, f) for r in step.results)}
@@ -350,8 +352,10 @@ def regressed(step: Instance, level: int, goal: Subgoal, mutexes: Mutexes) -> Su
         return None
     if any(matches(pattern, f) for f in rest for pattern in step.destroys):
         return None
-    if any(mutexes.exclude(f, g) for f in now for g in rest | now):
+    if any(mutexes.exclude(f, g) for f in now for g in rest):
+        return None
+    if any(mutexes.exclude(f, g) for f, g in itertools.combinations_with_replacement(now, 2)):
         return None
     before = rest | now
-    weaker = {f for f in before for g in before if f != g and entails(g, f) and not (entails(f, g) and str(f) < str(g))}
+    weaker = {f for f in before for g in before if f is not g and entails(g, f) and not (entails(f, g) and str(f) < str(g))}
     return frozenset(before - weaker)

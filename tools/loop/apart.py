@@ -8,7 +8,6 @@ what sound rules need, and end the command: no decision, offer or verdict depend
 
 import contextlib
 import faulthandler
-import math
 import os
 import pickle
 import resource
@@ -103,7 +102,7 @@ class Apart:
         """Return the fault of rules that ended the child."""
         status = self._end() if self._end.alive else 0
         number = os.WTERMSIG(status) if status and os.WIFSIGNALED(status) else 0
-        if number == signal.SIGXCPU:
+        if number == signal.SIGPROF:
             return self._refused(_SLOW)
         if number in (signal.SIGKILL, signal.SIGABRT):
             return self._refused(_LARGE)
@@ -201,7 +200,8 @@ def _confine() -> None:
     faulthandler.disable()
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)  # Ctrl-C is for the parent
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    for number in (signal.SIGTERM, signal.SIGPROF):
+        signal.signal(number, signal.SIG_DFL)
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in range(3):  # the last words of libraries are no message
         os.dup2(nothing, stream)
@@ -219,8 +219,7 @@ def _limit(what: int, most: int) -> None:
 
 def _reply(pipe: Connection, work: Callable[[], object]) -> None:
     """Do some work within the limits and send what comes of it."""
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    _limit(resource.RLIMIT_CPU, math.ceil(used.ru_utime + used.ru_stime) + SECONDS)
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)  # of computing by this process; RLIMIT_CPU counts whole seconds alone
     try:
         said = pickle.dumps(("answer", work()))
     except SkolemError as error:
