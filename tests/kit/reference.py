@@ -357,5 +357,6 @@ def regressed(step: Instance, level: int, goal: Subgoal, mutexes: Mutexes) -> Su
     if any(mutexes.exclude(f, g) for f, g in itertools.combinations_with_replacement(now, 2)):
         return None
     before = rest | now
-    weaker = {f for f in before for g in before if f is not g and entails(g, f) and not (entails(f, g) and str(f) < str(g))}
+    pairs = itertools.permutations(before, 2)
+    weaker = {f for f, g in pairs if entails(g, f) and not (entails(f, g) and str(f) < str(g))}
     return frozenset(before - weaker)
