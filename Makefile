@@ -59,8 +59,9 @@ $(TOP:%=.types/skolem/%): .types/skolem/%:
 demo: setup
 	$(BIN)/skolem run $(SCENARIO) --seed $(SEED) -o $(TRACE)
 
+# Workers take neighbouring tests, which share recorded runs. Compiled tests are kept, for workers and child processes.
 test: setup
-	$(BIN)/python -m pytest -q -n $(WORKERS)
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
 
 # Draws are random here alone: everywhere else the same inputs give the same bytes.
 fuzz: DRAWS := $(DRAWS)
