@@ -16,7 +16,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from skolem.tools.words.internal import internal_lines
-from skolem.tools.words.terminal import output
+from skolem.tools.words.terminal import lasting_output, output
 
 VERBS = {  # verb -> (module with an `app`, its first docstring line)
     "check": (
@@ -74,7 +74,7 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
         "Show a run: robot, true and believed objects, camera, plans, decisions and curves, over steps or time.",
     ),
 }
-BAD_INPUT, BAD_TRACE, INTERNAL = 2, 3, 4
+BAD_INPUT, BAD_TRACE, INTERNAL, NOT_READ = 2, 3, 4, 141
 AGAIN_S = 0.01  # delay before a lost request to end is repeated
 GARBAGE = 100_000  # new objects before a search for garbage: it visits all imported modules, and they stay anyway
 
@@ -143,8 +143,8 @@ def skolem(
 ) -> None:
     """Achieve goals about objects that are only described.
 
-    Exit status: 0 done, 1 goal not achieved, 2 bad input, 3 a trace cannot be read or
-    written to its end, or is unsound, 4 internal error, 130 interrupted.
+    Exit status: 0 done, 1 goal not achieved, 2 bad input, 3 a trace cannot be read or is
+    unsound, or a trace or the output cannot be written to its end, 4 internal error, 130 interrupted.
     """
 
 
@@ -157,13 +157,20 @@ def main() -> int:
     _end_with_the_terminal()
     signal.signal(signal.SIGALRM, signal.default_int_handler)  # a repeated request: see _ask_again
     sys.unraisablehook = _ask_again
-    try:
-        status = _run()
-        sys.stdout.flush()
-    except BrokenPipeError:  # the reader, such as `head`, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 141
-    return status
+    written = lasting_output()
+    status = _run()
+    sys.stdout.flush()
+    return status if written is None else _of_lost_output(written.lost, status)
+
+
+def _of_lost_output(lost: OSError | None, status: int) -> int:
+    """Return the exit status of a command whose output may have been lost; that is said, unless the reader left."""
+    if lost is None:
+        return status
+    if isinstance(lost, BrokenPipeError):  # the reader, such as `head`, has seen enough
+        return NOT_READ
+    output(f"standard output cannot be written: {lost.strerror}", file=sys.stderr)
+    return BAD_TRACE
 
 
 def _end_with_the_terminal() -> None:
@@ -192,13 +199,9 @@ def _run() -> int:
     try:
         app(prog_name="skolem")
     except SystemExit as leaving:
-        if isinstance(leaving.__context__, BrokenPipeError):  # typer makes it a failure of the command
-            raise leaving.__context__ from None
         return leaving.code if isinstance(leaving.code, int) else int(leaving.code is not None)
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:
-        raise
     except Exception as error:
         return _explain(error)
     return 0

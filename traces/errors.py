@@ -18,6 +18,7 @@ from typing import Final
 
 MOST_FAULTS: Final = 100  # in the text of an error: nobody reads more, and a line may be long
 _AROUND: Final = 60  # characters of a line that are shown before and after the position of a fault
+_LONGEST: Final = 10_000  # characters of an error that are recorded
 _FOLDERS: Final = re.compile(r"(?<![\w.])/(?:[^\s/:'\"]+/)+")  # of an absolute path, in a text
 
 
@@ -56,7 +57,10 @@ class Fault:
 
 def error_text(error: BaseException) -> str:
     """Return an exception as a trace records it: type and message, without the folders of this machine."""
-    said = error.strerror or "" if isinstance(error, OSError) else _FOLDERS.sub("", str(error))
+    try:
+        said = error.strerror or "" if isinstance(error, OSError) else _FOLDERS.sub("", str(error)[:_LONGEST])
+    except ValueError:  # it holds a number of more digits than Python prints
+        said = ""
     return f"{type(error).__name__}: {said}".rstrip(": ")
 
 

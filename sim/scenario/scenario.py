@@ -6,6 +6,7 @@ rule files, `check` turns the document into a `Scenario` once the types are know
 
 import json
 import math
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import UnionType
@@ -291,7 +292,7 @@ def _missing_rules(document: Document) -> Iterator[Fault]:
     for i, path in enumerate(document.rules):
         if path.suffix != ".lp":
             yield document.fault(("rules", i), "expected the name of an .lp file")
-        elif not path.is_file():
+        elif not os.path.isfile(path):
             yield document.fault(("rules", i), f"no such file: {path}")
 
 

@@ -8,7 +8,7 @@ import pytest
 from kit.places import ROOT
 
 FOLDERS = ("rules", "reasoner", "estimation", "sim", "traces", "tools")
-VOCABULARY = {"skolem.traces.messages", "skolem.traces.errors", "skolem.traces.given"}
+VOCABULARY = {"skolem.traces.messages", "skolem.traces.errors", "skolem.traces.given", "skolem.traces.written"}
 SKOLEM: dict[str, set[str]] = {  # what of the product each folder may import
     "rules": set(),
     "reasoner": {"skolem.reasoner", "skolem.rules"} | VOCABULARY,

@@ -27,6 +27,7 @@ FOR_ALL = {
     "traces/messages",
     "traces/errors.py",
     "traces/given.py",
+    "traces/written.py",
     "reasoner/terms.py",
 }  # a floor may still be forbidden them
 TRUE_WORLDS = {"skolem.sim.symbolic.world"}  # what in the rooms of thinkers is world

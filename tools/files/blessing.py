@@ -21,6 +21,7 @@ from skolem.traces.compare.golden import (
     write_manifest,
 )
 from skolem.traces.errors import Fault, InputError, TraceError
+from skolem.traces.written import give_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,7 @@ def bless(folder: Path, name: str, recipe: Golden, reason: str) -> Blessed:
         if old is not None and _alike(old, made) and _up_to_date(path):
             return Blessed(name, old, old, path.stat().st_size, changed=False)
         changes = tuple(_difference(path, lean)) if path.exists() else ()
-        lean.replace(path)
+        give_name(lean, path)
     write_manifest(folder, goldens | {name: made})
     return Blessed(name, made, old, size, changed=True, changes=changes)
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from skolem.tools.words.terminal import output
-from skolem.traces.errors import Fault, InputError
+from skolem.traces.written import put
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -36,10 +36,4 @@ def generate(
     if out is None:
         output(text, end="")
         return
-    partial = out.with_name(out.name + ".partial")
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(out)
-    except OSError as error:
-        raise InputError([Fault("--out", 0, 0, f"cannot write to {out}: {error.strerror}")]) from error
+    put(out, text.encode())

@@ -1,6 +1,7 @@
 """The inputs of a run: a scenario and the rules, read and checked."""
 
 import hashlib
+import os
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -104,7 +105,7 @@ def rules_of(document: Document) -> Rulebook:
     Raises:
         InputError: With every fault in them.
     """
-    own = [rules for rules in document.rules if rules.is_file()]
+    own = [rules for rules in document.rules if os.path.isfile(rules)]
     if not own:
         return load_rules()
     from skolem.tools.loop.apart import rulebook_of  # takes time, and most scenarios do without

@@ -1,6 +1,7 @@
 """The verb `reproduce`."""
 
 import json as json_format
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ from skolem.tools.replay.options import All, Atol, Rtol
 from skolem.tools.words.printable import printable
 from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.written import give_name, refuse_unwritable
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -40,7 +42,9 @@ def reproduce(
     from skolem.traces import Trace
     from skolem.traces.compare.diff import tolerance_for
 
-    if keep is not None and keep.exists():
+    if keep is not None:
+        refuse_unwritable(keep)
+    if keep is not None and os.path.exists(keep):
         raise InputError([Fault("--keep", 0, 0, f"{keep} exists and is not replaced; give another name")])
     old = Trace(trace)
     other = fingerprint.differences(old.metadata.get("env", {}))
@@ -65,16 +69,10 @@ def _kept(keep: Path | None) -> Iterator[Path]:
 
     Until then the trace lies in a temporary folder: the remains of a killed process disturb nobody.
     """
-    try:
-        if keep is not None:
-            keep.parent.mkdir(parents=True, exist_ok=True)
-        folder = TemporaryDirectory(dir=None if keep is None else keep.parent)
-    except OSError as error:
-        raise InputError([Fault("--keep", 0, 0, f"cannot write to {keep}: {error.strerror}")]) from error
-    with folder:
-        out = Path(folder.name) / "again.mcap"
+    with TemporaryDirectory(dir=None if keep is None else keep.parent) as folder:
+        out = Path(folder) / "again.mcap"
         try:
             yield out
         finally:
             if keep is not None and out.exists():
-                out.replace(keep)
+                give_name(out, keep)

@@ -1,6 +1,7 @@
 """The verb `rules`: check rule files, print the reference of the rules."""
 
 import json as json_format
+import os
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +13,7 @@ import typer
 from skolem.tools.words.faults import fault_rows
 from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
+from skolem.traces.written import put
 
 if TYPE_CHECKING:
     from skolem.reasoner.rulebook.files import RuleFile
@@ -115,10 +117,7 @@ def doc(
     if out is None:
         output(text, end="")
         return
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError([Fault(str(out), 0, 0, f"cannot write here: {error.strerror}")]) from error
+    put(out, text.encode())
 
 
 def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:
@@ -132,7 +131,7 @@ def _meant(paths: Sequence[Path]) -> tuple[list[Path], Path | None]:
     own: list[Path] = []
     whole: Path | None = None
     for path in paths:
-        inside = sorted(path.glob("*.lp")) if path.is_dir() else [path]
+        inside = sorted(path.glob("*.lp")) if os.path.isdir(path) else [path]
         if not inside:
             raise InputError([Fault(str(path), 0, 0, "a folder without a rule file: expected names that end in .lp")])
         if {f"{name}.lp" for name in RULE_FILES} <= {file.name for file in inside}:

@@ -4,7 +4,6 @@ import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from pathlib import Path
 
 from skolem.tools.loop.setup import Setup
 from skolem.tools.loop.stopwatch import PARTS
@@ -227,11 +226,3 @@ def _cell(value: object) -> str:
     if isinstance(value, tuple):
         return cell("; ".join(value))
     return "" if value is None else cell(str(value))
-
-
-def put(path: Path, data: bytes) -> None:
-    """Write a file so that it is either whole or missing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".partial")
-    partial.write_bytes(data)
-    partial.replace(path)

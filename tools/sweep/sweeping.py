@@ -12,13 +12,17 @@ from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.sweep.calibration import calibration_of
 from skolem.tools.sweep.progress import progress_for
 from skolem.tools.sweep.report import Part, line, sections, summary, with_section
-from skolem.tools.sweep.rows import Row, put, results_csv, times_csv
+from skolem.tools.sweep.rows import Row, results_csv, times_csv
 from skolem.tools.sweep.task import Task, done_before, tasks_of
 from skolem.tools.words.terminal import output
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.interrupts import interrupts_held
+from skolem.traces.given import read_regular
+from skolem.traces.written import put, refuse_unwritable
 
 INTERRUPTED = 130
+TABLES = ("results.csv", "times.csv", "summary.md")
+LONGEST = 16 << 20  # bytes of a report that gets a section
 MOST_SEEDS = 10_000  # of one sweep: each has a task, a row and a trace; further ones may follow in the same folder
 
 
@@ -169,20 +173,36 @@ def execute(
 
 def _check_places(out: Path, write: Path | None) -> None:
     """Refuse folders and files that cannot be written, before hours of runs."""
-    faults = []
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        faults.append(Fault("--out", 0, 0, f"cannot write to {out}: {error.strerror}"))
-    try:
-        if write is not None and write.exists():
-            write.read_text(encoding="utf-8")
-    except OSError as error:
-        faults.append(Fault("--write", 0, 0, f"cannot write to {write}: {error.strerror}"))
-    except UnicodeDecodeError:
-        faults.append(Fault("--write", 0, 0, f"cannot write to {write}: it is not a text"))
+    faults: list[Fault] = []
+    for path in (out / TABLES[0], write):
+        try:
+            if path is not None:
+                refuse_unwritable(path)
+        except InputError as error:
+            faults += error.faults
     if faults:
         raise InputError(faults)
+    if write is not None:
+        _text_of(write)
+
+
+def _text_of(report: Path) -> str:
+    """Return the text of a file that is to hold sections, or of a new one.
+
+    Raises:
+        InputError: If it cannot be read, is too long, or is not a text.
+    """
+    try:
+        data = read_regular(report, LONGEST)
+        if len(data) > LONGEST:
+            raise InputError([Fault(str(report), 0, 0, f"has more than {LONGEST >> 20} MB; give another file")])
+        return data.decode("utf-8")
+    except FileNotFoundError:
+        return "# Results\n"
+    except OSError as error:
+        raise InputError([Fault(str(report), 0, 0, f"cannot be read: {error.strerror}")]) from error
+    except UnicodeDecodeError as error:
+        raise InputError([Fault(str(report), 0, 0, "is not a text; give another file")]) from error
 
 
 def _do_the_others(
@@ -230,11 +250,10 @@ def _calibrated(part: Part, out: Path) -> Part:
 def _write_tables(parts: Sequence[Part], out: Path, write: Path | None) -> None:
     """Write the results files; if the sweep is complete, also put the sections into the file `write`."""
     rows = [row for part in parts for row in part.rows]
-    put(out / "results.csv", results_csv(rows).encode())
-    put(out / "times.csv", times_csv(rows).encode())
-    put(out / "summary.md", summary(parts).encode())
+    for name, text in zip(TABLES, (results_csv(rows), times_csv(rows), summary(parts)), strict=True):
+        put(out / name, text.encode())
     if write is not None:
-        text = write.read_text(encoding="utf-8") if write.exists() else "# Results\n"
+        text = _text_of(write)
         for key, account in sections(parts):
             text = with_section(text, key, account)
         put(write, text.encode())

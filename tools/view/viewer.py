@@ -24,6 +24,7 @@ from rerun.experimental import ViewerClient
 from skolem.tools.loop.children import NO_DISPLAY, end, end_with_parent, has_display
 from skolem.traces.errors import Fault, InputError, InternalError
 from skolem.traces.scene.rows import SIM_TIME, STEP
+from skolem.traces.written import put, refuse_unwritable
 
 LOOPBACK: Final = "127.0.0.1"
 READY_S, POLL_S = 60.0, 0.05
@@ -174,11 +175,7 @@ def shoot(recording: Path, picture: Path, moment: Moment | None) -> list[str]:
     Raises:
         InputError: If the viewer cannot run here, with what to install, or the picture cannot be written.
     """
-    try:
-        picture.parent.mkdir(parents=True, exist_ok=True)
-        picture.open("ab").close()
-    except OSError as error:
-        raise InputError([Fault(str(picture), 0, 0, f"cannot be written: {error.strerror}")]) from error
+    refuse_unwritable(picture)
     with viewer("headless", recording) as running:
         client = running.loaded()
         if moment is not None and moment[0] == "step":
@@ -186,7 +183,9 @@ def shoot(recording: Path, picture: Path, moment: Moment | None) -> list[str]:
         elif moment is not None:
             client.set_time(SIM_TIME, duration=moment[1], play_state="paused")
         drawn = Image.open(BytesIO(_settled(client)))
-        drawn.convert("RGB").save(picture, format="PNG", optimize=True)  # a third smaller than the viewer's file
+        smaller = BytesIO()
+        drawn.convert("RGB").save(smaller, format="PNG", optimize=True)  # a third smaller than the viewer's file
+        put(picture, smaller.getvalue())
         return complaints(client)
 
 

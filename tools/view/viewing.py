@@ -1,5 +1,6 @@
 """Views of a run: as a rerun recording, in a window or browser, as a picture, or live."""
 
+import os
 import sys
 import time
 import webbrowser
@@ -17,9 +18,11 @@ from skolem.tools.words.terminal import output
 from skolem.traces import Trace, follow
 from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.reader import MAGIC
+from skolem.traces.given import read_regular
 from skolem.traces.messages import TICKS_PER_SECOND, Action
 from skolem.traces.scene.recording import APPLICATION, Scene, convert
 from skolem.traces.scene.robot import RobotModel
+from skolem.traces.written import refuse_unwritable
 
 POLL_S = 0.1
 
@@ -33,12 +36,12 @@ def spare_traces(out: Path, trace: Path) -> None:
     """Refuse to write over a trace, `trace` itself or another one.
 
     Raises:
-        InputError: If `out` is a trace or a folder, or cannot be read to find out.
+        InputError: If `out` is a trace, is no file, or cannot be read to find out, or written.
     """
+    refuse_unwritable(out)
     try:
-        same = out.exists() and out.samefile(trace)
-        with out.open("rb") as file:
-            recorded = file.read(len(MAGIC)) == MAGIC
+        same = os.path.exists(out) and out.samefile(trace)
+        recorded = read_regular(out, len(MAGIC) - 1) == MAGIC
     except FileNotFoundError:
         return
     except OSError as error:
@@ -55,10 +58,7 @@ def record(run: Trace, recording: Path, raw: bool = False) -> None:
     Raises:
         InputError: If the file cannot be written.
     """
-    try:
-        convert(run, recording, pr2_model(), raw)
-    except OSError as error:
-        raise InputError([Fault(str(recording), 0, 0, f"cannot be written: {error.strerror}")]) from error
+    convert(run, recording, pr2_model(), raw)
 
 
 def window(recording: Path) -> None:

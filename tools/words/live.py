@@ -4,12 +4,10 @@ The picture has the paper's belief table, the plan stack, and the progress of th
 """
 
 import colorsys
-import errno
 import math
 import re
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from types import TracebackType
 from typing import Self
 
@@ -70,16 +68,6 @@ def observed_text(observation: Observation) -> str:
     return ""
 
 
-@contextmanager
-def terminal_may_go() -> Iterator[None]:
-    """Ignore that the terminal is closed while the block writes to it: a signal ends the run in good order."""
-    try:
-        yield
-    except OSError as error:
-        if error.errno != errno.EIO:
-            raise
-
-
 class Lines:
     """Prints one line on standard error for each executed action."""
 
@@ -112,8 +100,7 @@ class Lines:
         done = f"{self._words.operation(action.op)} -> {result.status.replace('_', ' ')}"
         parts = [f"step {action.step:2d}  {done}", observed_text(observation)]
         line = ", ".join(part for part in parts if part)
-        with terminal_may_go():
-            output(line + (f"  [new plan: {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
+        output(line + (f"  [new plan: {self._dropped}]" if self._dropped else ""), file=sys.stderr, flush=True)
 
 
 class Quiet(Lines):
@@ -154,8 +141,7 @@ class Picture(Lines):
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         self._draw()
-        with terminal_may_go():
-            self._live.stop()
+        self._live.stop()
 
     def believed(self, belief: Belief, tick: int) -> None:
         """Show a belief."""
@@ -181,8 +167,7 @@ class Picture(Lines):
         self._draw()
 
     def _draw(self) -> None:
-        with terminal_may_go():
-            self._live.update(self.picture(), refresh=True)
+        self._live.update(self.picture(), refresh=True)
 
     def picture(self) -> RenderableType:
         """Return the present picture; it fits the terminal."""

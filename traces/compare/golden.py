@@ -11,10 +11,13 @@ from skolem.traces.errors import Fault, InputError
 from skolem.traces.file.codec import CONTENT, ContentHash, counter_of
 from skolem.traces.file.container import Copy, contents, pieces
 from skolem.traces.file.reader import opened
+from skolem.traces.given import read_regular
 from skolem.traces.messages import Message, WorldName
+from skolem.traces.written import put
 
 MANIFEST = "MANIFEST.toml"
 MAX_BYTES = 200_000  # of one golden trace
+LONGEST = 1 << 20  # bytes of a manifest
 ONE_CHUNK_BYTES = 1 << 26  # a golden trace is one chunk: what repeats in every step compresses best in one piece
 HEAD = """# Recorded runs that every version must decide in the same way. Made by `skolem trace bless`, never by hand.
 # A table per trace: what was run, what it is for, why it was changed last, and what is in it.
@@ -59,7 +62,7 @@ def read_manifest(folder: Path) -> dict[str, Golden]:
     """
     path = folder / MANIFEST
     try:
-        entries = tomllib.loads(path.read_text(encoding="utf-8"))
+        entries = tomllib.loads(read_regular(path, LONGEST).decode("utf-8"))
         return {name: Golden.model_validate_json(json.dumps(entry)) for name, entry in entries.items()}
     except OSError as error:
         raise InputError([Fault(str(path), 0, 0, f"cannot be read: {error.strerror}")]) from error
@@ -70,7 +73,7 @@ def read_manifest(folder: Path) -> dict[str, Golden]:
 def write_manifest(folder: Path, goldens: Mapping[str, Golden]) -> None:
     """Write the manifest of a folder, sorted by name."""
     entries = [HEAD, *(_entry(name, goldens[name]) for name in sorted(goldens))]
-    (folder / MANIFEST).write_text("\n".join(entries), encoding="utf-8")
+    put(folder / MANIFEST, "\n".join(entries).encode())
 
 
 def is_text(value: str) -> bool:

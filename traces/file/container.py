@@ -20,7 +20,8 @@ from mcap.writer import CompressionType, Writer
 
 from skolem.traces.errors import Fault, InputError, TraceError
 from skolem.traces.file.chunks import DAMAGE, TooLargeError, records_in
-from skolem.traces.file.writer import LIBRARY, refuse_special
+from skolem.traces.file.writer import LIBRARY
+from skolem.traces.written import created, give_name, refuse_special, unwritable
 
 HEAD_SIZE = 1 + 8  # bytes at the start of every record: its kind and its length
 CRC_SIZE = 4
@@ -127,12 +128,12 @@ class Copy:
         self.path = path
         self._partial = path.with_name(path.name + ".copying")
         try:
-            self._file = self._partial.open("xb")
+            self._file = created(self._partial)
         except FileExistsError as error:
             said = "exists: another copy is being made, or one was not finished; remove it, or give another name"
             raise InputError([Fault(str(self._partial), 0, 0, said)]) from error
         except OSError as error:
-            raise self._unwritable(error) from error
+            raise unwritable(self.path, error) from error
         self._mcap = Writer(self._file, compression=CompressionType.ZSTD, chunk_size=chunk_bytes, enable_data_crcs=True)
         self._started = False
         self._schemas: dict[int, int] = {}
@@ -197,7 +198,7 @@ class Copy:
                 with self._on_disk():
                     self._mcap.finish()
                     self._file.close()
-                    self._partial.replace(self.path)
+                    give_name(self._partial, self.path)
         finally:
             with suppress(OSError):  # the rest may have no room on the disk
                 self._file.close()
@@ -208,7 +209,4 @@ class Copy:
         try:
             yield
         except OSError as error:
-            raise self._unwritable(error) from error
-
-    def _unwritable(self, error: OSError) -> InputError:
-        return InputError([Fault(str(self.path), 0, 0, f"cannot write here: {error.strerror or error}")])
+            raise unwritable(self.path, error) from error

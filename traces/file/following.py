@@ -3,6 +3,7 @@
 The writer does not know of the reader. A run writes its messages to the disk at the end of each step.
 """
 
+import os
 import struct
 from collections.abc import Iterator
 from io import BytesIO
@@ -29,7 +30,7 @@ def follow(path: Path) -> Iterator[Recorded | None]:
     Raises:
         TraceError: If the file does not begin as an MCAP file.
     """
-    while not path.exists():
+    while not os.path.exists(path):
         yield None
     channels: dict[int, Channel] = {}
     with path.open("rb") as file:

@@ -1,5 +1,6 @@
 """Recovery of a trace that was cut off or damaged: its whole messages become a readable trace."""
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -50,9 +51,9 @@ def recover(bad: Path, good: Path) -> Recovered:
         InputError: If `good` cannot be written, or exists: the file there may be worth more than the recovered one.
         TraceError: If `bad` is no MCAP file, or no message in it is whole.
     """
-    if good.resolve() == bad.resolve():
+    if os.path.realpath(good) == os.path.realpath(bad):
         raise InputError([Fault(str(good), 0, 0, "is the damaged file itself; give another name")])
-    if good.exists():
+    if os.path.lexists(good):
         raise InputError([Fault(str(good), 0, 0, "exists and is not replaced; give another name, or remove it first")])
     found = Recovered(good)
     with opened(bad) as file:

@@ -19,6 +19,7 @@ from skolem.traces.file.clock import time_ns
 from skolem.traces.file.codec import CONTENT, ContentHash, HashChain, counter_of, encode, schema_bytes, schema_name
 from skolem.traces.file.interrupts import interrupts_held
 from skolem.traces.messages import CLASS_OF, JSON_TOPICS, SCHEMA_VERSION, Chain, Message, RunEnd, RunStatus
+from skolem.traces.written import created, give_name, refuse_special, unwritable
 
 LIBRARY = "skolem-trace/1"  # mcap's default names its own version, so that an update would change the bytes
 CHUNK_BYTES = 64 * 1024
@@ -126,7 +127,7 @@ class TraceWriter:
         except OSError as error:
             assert file is not None, "what cannot be created is an InputError"
             discard(file, self.path)
-            raise _unwritable(self.path, error) from error
+            raise unwritable(self.path, error) from error
         except BaseException:
             if file is not None:
                 discard(file, self.path)
@@ -139,10 +140,13 @@ class TraceWriter:
         if self._file.closed:  # writing failed before
             return
         with interrupts_held(), self._file:
-            if not self._ended:
-                self._cut_short(error)
-            with self._on_disk():
-                self._finish()
+            try:
+                if not self._ended:
+                    self._cut_short(error)
+            finally:  # also if the end itself cannot be told
+                if not self._file.closed:
+                    with self._on_disk():
+                        self._finish()
             self.written = True
 
     def _finish(self) -> None:
@@ -152,7 +156,7 @@ class TraceWriter:
         self._mcap.finish()
         self._file.flush()
         os.fsync(self._file.fileno())
-        self.partial.replace(self.path)
+        give_name(self.partial, self.path)
 
     @contextmanager
     def _on_disk(self) -> Iterator[None]:
@@ -223,26 +227,13 @@ def begin(path: Path) -> IO[bytes]:
     refuse_special(path)
     partial = partial_of(path)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        return partial.open("xb")
+        return created(partial)
     except OSError as error:
-        if partial.exists():
+        if os.path.lexists(partial):
             said = "exists: another run is writing it, or one was killed; wait for it, save its steps with"
             remedy = f"`skolem recover {partial} -o FILE`, or remove it"
             raise InputError([Fault(str(partial), 0, 0, f"{said} {remedy}")]) from error
-        raise _unwritable(path, error) from error
-
-
-def refuse_special(path: Path) -> None:
-    """Refuse a folder, device, pipe or socket: a finished trace is renamed to this path and would replace it.
-
-    Raises:
-        InputError: If the path exists and is no file.
-    """
-    if os.path.isdir(path):  # False for a path without permission, where pathlib raises
-        raise InputError([Fault(str(path), 0, 0, "is a folder; give the name of a file")])
-    if os.path.exists(path) and not os.path.isfile(path):
-        raise InputError([Fault(str(path), 0, 0, "is a device, a pipe or a socket; give the name of a file")])
+        raise unwritable(path, error) from error
 
 
 def discard(file: IO[bytes], path: Path) -> None:
@@ -250,7 +241,3 @@ def discard(file: IO[bytes], path: Path) -> None:
     partial_of(path).unlink(missing_ok=True)
     with suppress(OSError):  # the rest may have no room on the disk
         file.close()
-
-
-def _unwritable(path: Path, error: OSError) -> InputError:
-    return InputError([Fault(str(path), 0, 0, f"cannot write the trace here: {error.strerror or error}")])

@@ -40,6 +40,7 @@ from skolem.traces.scene.stage import Stage
 from skolem.traces.scene.truth import Truth
 from skolem.traces.wording.of_run import wording
 from skolem.traces.wording.wording import AS_RECORDED
+from skolem.traces.written import put
 
 APPLICATION: Final = "skolem"  # the viewer warns of a dot in this name
 
@@ -47,20 +48,20 @@ APPLICATION: Final = "skolem"  # the viewer warns of a dot in this name
 def convert(trace: Trace, out: Path, model: RobotModel, raw: bool = False) -> None:
     """Write a trace as a rerun recording with its layout; `raw` as in `Scene`.
 
+    Rerun would write the file by itself, but it follows links, and waits for ever on a full disk.
+
     Raises:
         TraceError: If the trace holds a message that does not follow its schema.
-        OSError: If the recording cannot be written.
+        InputError: If the recording cannot be written.
     """
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.open("wb").close()  # raises if the file cannot be written, which rerun would only log
     stream = rr.RecordingStream(APPLICATION, recording_id=trace.path.stem)
-    stream.save(out)
+    recording = rr.binary_stream(stream)
     scene = Scene(stream, model, raw)
     scene.survey(trace)
     for recorded in trace.messages(*scene.topics):
         scene.take(recorded)
     scene.flush(ended=True)
-    stream.flush()
+    put(out, recording.read() or b"")  # in one piece: each has an index of its own
     stream.disconnect()
 
 

@@ -44,7 +44,7 @@ def test_an_existing_file_is_replaced(monkeypatch: pytest.MonkeyPatch, tmp_path:
     [
         (["generate", "thre"], "no family 'thre'; did you mean 'three'?"),
         (["generate", "three", "--bound", "0.995"], "--bound: expected a probability above 0, at most 0.99"),
-        (["generate", "three", "-o", "/proc/three.yaml"], "--out: cannot write to /proc/three.yaml"),
+        (["generate", "three", "-o", "/proc/three.yaml"], "/proc/three.yaml: cannot be written"),
         (["sweep", "--family", "thre", "-o", "OUT"], "no family 'thre'; did you mean 'three'?"),
         (["sweep", "-o", "OUT"], "give scenario files or --family"),
         (["sweep", "--family", "three", "--family", "three", "-o", "OUT"], "'three' was given already"),

@@ -131,7 +131,7 @@ def test_a_run_that_is_cut_short_leaves_a_closed_trace_with_the_reason(
 
 def test_a_trace_that_cannot_be_written_is_bad_input(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot write the trace here"):
+    with pytest.raises(InputError, match="cannot be written"):
         run(prepare(GREEN, (), 0, "symbolic"), tmp_path / "file" / "x.mcap")
 
 
