@@ -50,7 +50,7 @@ def test_a_recording_is_written_where_it_is_wanted(
         (["--shot", "x.png", "--web"], "exclude one another"),
         (["--save", "/proc/none/x.rrd"], "cannot be written"),
         (["--shot", "/proc/none/x.png"], "cannot be written"),
-        (["--save", "."], "cannot be written"),
+        (["--save", "."], "is a folder"),
     ],
 )
 def test_mistakes_are_named(
