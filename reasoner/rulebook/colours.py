@@ -32,10 +32,7 @@ class ColourBox:
 
     def parts(self) -> list[_Sides]:
         """Return the box in degrees and percent, in two parts if its hues wrap."""
-        low, high = _span(self.volume.hue, _TOP[0])
-        s, v = _span(self.volume.saturation, _TOP[1]), _span(self.volume.value, _TOP[2])
-        arcs = [(low, high)] if low < high else [(low, _TOP[0]), (0, high)]
-        return [(arc, s, v) for arc in arcs if arc[0] < arc[1]]
+        return _parts(self.volume)
 
 
 def colour_boxes(stated: Iterable[tuple[Compound, Position]], faults: list[Fault]) -> list[ColourBox]:
@@ -43,7 +40,7 @@ def colour_boxes(stated: Iterable[tuple[Compound, Position]], faults: list[Fault
     read = [(fact, position, _volume(fact, position, faults)) for fact, position in stated]
     boxes = [ColourBox(fact, position, volume) for fact, position, volume in read if volume is not None]
     for one, other in combinations(boxes, 2):
-        if _share(one, other):
+        if share_colour(one.volume, other.volume):
             remedy = "let them share no colour, or make them one"
             faults.append(other.position.fault(f"{other.fact} overlaps {one.fact} in {one.position}; {remedy}"))
     return boxes
@@ -60,11 +57,20 @@ def in_words(volume: HsvVolume) -> str:
     return _told(_span(volume.hue, _TOP[0]), _span(volume.saturation, _TOP[1]), _span(volume.value, _TOP[2]))
 
 
+def share_colour(one: HsvVolume, other: HsvVolume) -> bool:
+    """Return whether some colour is in both boxes, whose sides are whole degrees and percents."""
+    return any(
+        all(max(s[0], t[0]) < min(s[1], t[1]) for s, t in zip(mine, its, strict=True))
+        for mine in _parts(one)
+        for its in _parts(other)
+    )
+
+
 def overlaps(words: Mapping[str, Sequence[ColourBox]]) -> list[Fault]:
     """Return a warning for every two words that share a colour, at the user's own fact if there is one."""
     found = []
     for first, second in combinations(sorted(words), 2):
-        shared = next(((a, b) for a in words[first] for b in words[second] if _share(a, b)), None)
+        shared = next(((a, b) for a in words[first] for b in words[second] if share_colour(a.volume, b.volume)), None)
         if shared is not None:
             a, b = shared
             position = a.position if a.position.own else b.position
@@ -115,12 +121,11 @@ def _empty(low: Term, high: Term, turns: bool) -> bool:
     return low % 360 == high % 360 and high - low != 360 if turns else low >= high
 
 
-def _share(a: ColourBox, b: ColourBox) -> bool:
-    return any(
-        all(max(s[0], t[0]) < min(s[1], t[1]) for s, t in zip(one, other, strict=True))
-        for one in a.parts()
-        for other in b.parts()
-    )
+def _parts(volume: HsvVolume) -> list[_Sides]:
+    low, high = _span(volume.hue, _TOP[0])
+    s, v = _span(volume.saturation, _TOP[1]), _span(volume.value, _TOP[2])
+    arcs = [(low, high)] if low < high else [(low, _TOP[0]), (0, high)]
+    return [(arc, s, v) for arc in arcs if arc[0] < arc[1]]
 
 
 def _span(bounds: tuple[float, float], whole: int) -> _Span:

@@ -9,6 +9,7 @@ from pathlib import Path
 from skolem.estimation import EstimatorConfig
 from skolem.reasoner import Goal, load_rules
 from skolem.reasoner.language.parser import read_goal
+from skolem.reasoner.planning.contradictions import contradictions
 from skolem.reasoner.planning.relations import misused, too_sure
 from skolem.reasoner.rulebook.book import Rulebook, rule_files
 from skolem.sim.scenario.scenario import Document, Scenario, check, load_document
@@ -132,6 +133,7 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
             return found
         goals.append(goal)
         wrong = misused(goal, rulebook.vocabulary) + too_sure(goal, EstimatorConfig().most_sure)
+        wrong += contradictions(goal, rulebook.vocabulary)
         return [(0, message) for message in wrong]
 
     scenario = check(document, rulebook.vocabulary.types, faults)
