@@ -308,7 +308,13 @@ class Scenario(Model):
     skolem: Annotated[Literal[1], Field(description="version of this format")]
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=64)]
     about: str = ""
-    goal: str
+    goal: Annotated[
+        str,
+        Field(
+            description="what is to be believed of which objects, as docs/goals.md explains: exists o."
+            " B(Den(lambda x. Green(x), o), 0.9) & B(On(o, table1), 0.9)"
+        ),
+    ]
     seed: Annotated[Seed, Field(description="every draw is keyed by (seed, step, stream)")]
     limits: Annotated[Limits, LimitsWithin()]
     rules: Annotated[
