@@ -1,5 +1,8 @@
 """Counts of failed attempts: of each command in a row, and of each command from where the robot stands.
 
+What failed before an object was moved may succeed after it, since the object may have hidden or blocked another one. So
+a pick or a place that succeeds resets the counts of the commands about other objects.
+
 An attempt after which a fluent that is still false is nearer to being true than ever before does not count as failed:
 a step may stand for many looks.
 """
@@ -10,8 +13,9 @@ from typing import Final
 
 from skolem.reasoner.planning.instances import Instance
 from skolem.reasoner.terms import Compound, Term, compound, parse_term
-from skolem.traces.messages import Limits
+from skolem.traces.messages import HANDS, Limits
 
+_MOVES_THINGS: Final = ("pick", "place")
 LEAST_GAIN: Final = 0.01  # of a degree (see `Situation.degree`): less is no progress
 
 
@@ -36,10 +40,17 @@ class Attempts:
             return
         achieved, nearer = not degrees, self._is_nearer(done.executes, degrees)
         self._failures[done.executes] = 0 if achieved or nearer else self._failures[done.executes] + 1
+        if achieved and isinstance(done.executes, Compound) and done.executes.name in _MOVES_THINGS:
+            self._forget_others(done.executes)
         if isinstance(done.executes, Compound) and done.executes.name == "move":
             self._in_vain.clear()
         else:
             self._in_vain[done.executes] = 0 if achieved or nearer else self._in_vain[done.executes] + 1
+
+    def _forget_others(self, moving: Compound) -> None:
+        """Reset the counts of the commands that are about none of the objects of a command."""
+        kept = Counter({command: n for command, n in self._failures.items() if _objects(command) & _objects(moving)})
+        self._failures = kept
 
     def _is_nearer(self, command: Term, degrees: Mapping[Term, float]) -> bool:
         """Keep the highest degrees after a command; return whether one has grown. A success forgets them."""
@@ -84,6 +95,13 @@ class Attempts:
         self._failures, self._in_vain = _read(failures), _read(in_vain)
         found = ((parse_term(text), degree) for text, degree in nearest.items())
         self._nearest = {key: degree for key, degree in found if isinstance(key, Compound)}
+
+
+def _objects(command: Term) -> frozenset[Term]:
+    """Return the constants in a command, but for those of hands and of nothing."""
+    if isinstance(command, Compound):
+        return frozenset().union(*map(_objects, command.args))
+    return frozenset() if command in (*HANDS, "nothing") else frozenset({command})
 
 
 def _written(counts: Counter[Term]) -> dict[str, int]:

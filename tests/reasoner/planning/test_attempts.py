@@ -36,6 +36,15 @@ def test_what_is_in_vain_here_is_forgotten_by_a_drive_and_by_success() -> None:
     assert tried((LOOK, False), (LOOK, False), (LOOK, True)).fruitless_here() == frozenset()
 
 
+def test_what_failed_is_tried_again_after_another_object_was_moved() -> None:
+    failures = [(LOOK, False)] * 3
+    assert not tried(*failures, ("pick(left,p)", True)).is_hopeless(parse_term(LOOK))
+    assert not tried(*failures, ("place(p,table1,nothing)", True)).is_hopeless(parse_term(LOOK))
+    assert tried(*failures, ("pick(left,p)", False)).is_hopeless(parse_term(LOOK))
+    assert tried(*failures, ("look(p)", True)).is_hopeless(parse_term(LOOK))
+    assert tried(*[("pick(left,o)", False)] * 3, ("pick(right,o)", True)).is_hopeless(parse_term("pick(left,o)"))
+
+
 def test_counts_survive_the_trace() -> None:
     before = tried((LOOK, False), (LOOK, False), ("pick(left,o)", True))
     assert (before.failures(), before.in_vain()) == ({LOOK: 2}, {LOOK: 2})
