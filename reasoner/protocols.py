@@ -6,12 +6,14 @@
 May import: nothing.
 """
 
-from typing import Protocol
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.traces.messages import Activity, Belief, Command, Hand, Meaning, MoveBase, Quantity
+from skolem.traces.messages import Activity, Belief, Command, Hand, Meaning, MoveBase, Quantity, WeightInterval
 
 
 class Gaussian(Protocol):
@@ -71,6 +73,70 @@ class OpenBeliefs(GroundBeliefs, Protocol):
 
     def region_support(self, region: str) -> str:
         """The anchor on whose top the region lies."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A relation of known objects whose truth depends on where they are or what they weigh.
+
+    Attributes:
+        kind: on: the first rests on the second. near: their middles are at most `distance_m` apart. heavier: the first
+            weighs more than the second. nearer: the middle of the first is nearer to that of the third than the middle
+            of the second is. weighs: the first has the weight of `meaning`.
+        anchors: The objects, as many as the kind needs.
+        distance_m: Greatest distance of near, metres.
+        meaning: The property of weighs.
+    """
+
+    kind: Literal["on", "near", "heavier", "nearer", "weighs"]
+    anchors: tuple[str, ...]
+    distance_m: float = 0.0
+    meaning: WeightInterval | None = None
+
+
+class RelationModel(Protocol):
+    """The joint distribution of the truth of several relations, as a function of independent uniform numbers."""
+
+    @property
+    def dimension(self) -> int:
+        """The number of uniform numbers."""
+        ...
+
+    def truth(self, uniforms: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether each relation holds, shape (n, relations), for numbers in (0, 1), shape (n, dimension)."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Strangers:
+    """The objects of a region that nobody has met: a Poisson number of them, and perhaps one that was overlooked.
+
+    Attributes:
+        support: The anchor on whose top the region lies.
+        expected: Mean of the Poisson number.
+        overlooked: P(one more object was overlooked in what has been seen).
+    """
+
+    support: str
+    expected: float
+    overlooked: float
+
+
+@runtime_checkable
+class WorldBeliefs(Protocol):
+    """What only the evaluation by possible worlds asks; a belief without it has independent relations."""
+
+    def relations(self, asked: Sequence[Relation]) -> RelationModel:
+        """The joint distribution of relations between objects that exist."""
+        ...
+
+    def strangers(self) -> tuple[Strangers, ...]:
+        """The objects that nobody has met, for each region, in order of introduction."""
+        ...
+
+    def prob_property_of_new(self, meaning: Meaning) -> float:
+        """P(an arbitrary object that is not met yet has the property)."""
         ...
 
 

@@ -1,3 +1,6 @@
-"""What holds, what is offered, and what to do next. May import: protocols, language, rulebook."""
+"""What holds, what is offered, and what to do next.
+
+May import: protocols, language, rulebook, worlds.
+"""
 
 __all__ = ()

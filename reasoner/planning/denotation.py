@@ -1,186 +1,27 @@
-"""Denotation: the axioms of `denote.lp` compile a description to a circuit, which is evaluated on a belief.
+"""Denotation as the paper computes it: the circuit of a description, evaluated on a belief.
 
-The rules state the arithmetic of each subexpression; this module computes it (section "Denoting objects"):
+The rules state the circuit of each subexpression; this module computes it (section "Denoting objects"):
 b(R(c)) for an atom, the product for And, a + b - ab for Or, and Or over all known objects for Exists.
 
 Existence: b(R(c)) is the probability given that c exists. Each object that a variable stands for is weighted once:
 Den(lambda x. e, c) is P(c exists) times the value of e, and `exists y. e` is Or over all c of P(c exists) times e.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property
 from itertools import product
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.reasoner.language.descriptions import (
-    And,
-    Atom,
-    Count,
-    Every,
-    Exists,
-    Expression,
-    Lambda,
-    Not,
-    Or,
-    Same,
-    Was,
-    argument_term,
-    constant_of,
-)
 from skolem.reasoner.protocols import GroundBeliefs, OpenBeliefs
-from skolem.reasoner.rulebook.book import Rulebook
-from skolem.reasoner.rulebook.vocabulary import Vocabulary, comparison
-from skolem.reasoner.terms import Compound, Term, compound
+from skolem.reasoner.rulebook.vocabulary import Vocabulary
+from skolem.reasoner.terms import Compound, Term
+from skolem.reasoner.worlds.circuits import Circuit, Either, EitherOver, Leaf, Node, Product
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Meaning
 
 STRANGER: Final = "_new_"  # an object that is not met yet
-_NOTHING: Final = Compound("", ())
-
-
-@dataclass(frozen=True, slots=True)
-class Leaf:
-    """Belief in a relation of variables `var(x)` and anchors."""
-
-    relation: str
-    args: tuple[Term, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Product:
-    """a b."""
-
-    left: "Node"
-    right: "Node"
-
-
-@dataclass(frozen=True, slots=True)
-class Either:
-    """a + b - a b."""
-
-    left: "Node"
-    right: "Node"
-
-
-@dataclass(frozen=True, slots=True)
-class EitherOver:
-    """1 - the product over all known objects of 1 - P(it exists) a."""
-
-    variable: Term
-    inner: "Node"
-
-
-Node = Leaf | Product | Either | EitherOver
-
-
-@dataclass(frozen=True, slots=True)
-class Circuit:
-    """A compiled description.
-
-    Attributes:
-        variable: The variable that the lambda binds.
-        root: The node of its body.
-        props: Names of the properties of the described object itself, sorted.
-        compared: Relation and thousandths of those properties that compare it with a number, by name.
-    """
-
-    variable: Term
-    root: Node
-    props: tuple[str, ...]
-    compared: Mapping[str, tuple[str, int]]
-
-
-# ---------------------------------------------------------------- compiling
-
-
-def compile_description(description: Lambda, rulebook: Rulebook) -> Circuit:
-    """Return the circuit that the denotation axioms give for a description.
-
-    Raises:
-        InternalError: If the axioms do not cover it.
-    """
-    body = expression_term(description.body)
-    fact = compound("lambda", "e", description.variable, body)
-    atoms = rulebook.solve([fact], None, ["denote"]).atoms
-    if atoms.get("bad"):
-        reasons = ", ".join(str(reason) for _, reason in atoms["bad"])
-        raise InternalError(f"rules/denote.lp: {description} is not legal: {reasons}")
-    axioms = {expression: node for expression, node in atoms["axiom"]}
-    variable, root = compound("var", description.variable), _node(body, axioms)
-    props = {str(word) for _, word in atoms.get("props", [])}
-    numbers = {found for leaf in _leaves(root) if (found := compared_in(leaf, variable))}
-    compared = {comparison(*found): found for found in sorted(numbers)}
-    return Circuit(variable, root, tuple(sorted({*props, *compared})), compared)
-
-
-def expression_term(expression: Expression) -> Term:
-    """Return the term of an expression that `denote.lp` reads."""
-    match expression:
-        case And(left, right):
-            return compound("and", expression_term(left), expression_term(right))
-        case Or(left, right):
-            return compound("or", expression_term(left), expression_term(right))
-        case Exists(variable, body):
-            return compound("exists", variable, expression_term(body))
-        case Not(body):
-            return compound("no", expression_term(body))
-        case Same(left, right):
-            return compound("same", argument_term(left), argument_term(right))
-        case Count(kind, number, variable, body):
-            return compound(kind.replace(" ", "_"), number, variable, expression_term(body))
-        case Every(variable, condition, body):
-            return compound("every", variable, expression_term(condition), expression_term(body))
-        case Was(body):
-            return compound("was", expression_term(body))
-        case Atom(word, args):
-            pairs = reduce(lambda rest, first: compound("", argument_term(first), rest), reversed(args), _NOTHING)
-            return compound("r", constant_of(word), pairs)
-
-
-def _node(expression: Term, axioms: Mapping[Term, Term]) -> Node:
-    axiom = axioms.get(expression)
-    match axiom:
-        case Compound("belief", (str(relation), args)):
-            return Leaf(relation, tuple(_unpaired(args)))
-        case Compound("product", (left, right)):
-            return Product(_node(left, axioms), _node(right, axioms))
-        case Compound("either", (left, right)):
-            return Either(_node(left, axioms), _node(right, axioms))
-        case Compound("either_over", (variable, inner)):
-            return EitherOver(compound("var", variable), _node(inner, axioms))
-    raise InternalError(f"rules/denote.lp gives {axiom} for {expression}; expected a circuit node")
-
-
-def _leaves(node: Node) -> Iterator[Leaf]:
-    match node:
-        case Leaf():
-            yield node
-        case Product(left, right) | Either(left, right):
-            yield from _leaves(left)
-            yield from _leaves(right)
-        case EitherOver(_, inner):
-            yield from _leaves(inner)
-
-
-def compared_in(leaf: Leaf, variable: Term) -> tuple[str, int] | None:
-    """Return relation and thousandths of a leaf that compares the variable with a number; None for other leaves."""
-    match leaf.args:
-        case (one, Compound("number", (int(thousandths),))) if one == variable:
-            return leaf.relation, thousandths
-    return None
-
-
-def _unpaired(pairs: Term) -> Iterable[Term]:
-    while isinstance(pairs, Compound) and pairs.args:
-        first, pairs = pairs.args
-        yield first
-
-
-# ---------------------------------------------------------------- evaluating
 
 
 def evaluate(circuit: Circuit, belief: GroundBeliefs, vocabulary: Vocabulary) -> dict[str, float]:
@@ -256,6 +97,7 @@ def _value(node: Node, axes: _Axes, beliefs: _Beliefs) -> NDArray[np.float64]:
             )
             none: NDArray[np.float64] = np.prod(some, axis=-1)
             return 1.0 - none
+    raise InternalError(f"{type(node).__name__} is beyond the paper: only the evaluation by possible worlds values it")
 
 
 def _leaf(leaf: Leaf, axes: _Axes, beliefs: _Beliefs) -> NDArray[np.float64]:

@@ -5,23 +5,20 @@ from itertools import product
 from typing import Final
 
 from skolem.reasoner.language.descriptions import Lambda
-from skolem.reasoner.planning.denotation import (
-    STRANGER,
+from skolem.reasoner.planning.denotation import STRANGER, WithStranger, evaluate, evaluate_at
+from skolem.reasoner.protocols import GroundBeliefs, OpenBeliefs
+from skolem.reasoner.rulebook.book import Rulebook
+from skolem.reasoner.rulebook.vocabulary import comparison
+from skolem.reasoner.worlds.circuits import (
     Circuit,
     Either,
     EitherOver,
     Leaf,
     Node,
     Product,
-    WithStranger,
     compared_in,
     compile_description,
-    evaluate,
-    evaluate_at,
 )
-from skolem.reasoner.protocols import GroundBeliefs, OpenBeliefs
-from skolem.reasoner.rulebook.book import Rulebook
-from skolem.reasoner.rulebook.vocabulary import comparison
 from skolem.traces.messages import Meaning
 
 MOST_ALTERNATIVES: Final = 32  # sets of properties kept per description, smallest first
@@ -92,6 +89,8 @@ def _alternatives(node: Node, circuit: Circuit) -> list[frozenset[str]]:
             return _minimal(a | b for a, b in pairs)
         case Either(left, right):
             return _minimal([*_alternatives(left, circuit), *_alternatives(right, circuit)])
+        case _:
+            return [frozenset()]
 
 
 def _minimal(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:

@@ -25,7 +25,7 @@ _FaultAt = Callable[[str], Fault]  # makes a fault at a position from a message
 _At = Callable[[AST], _FaultAt]
 
 INPUT: Final[frozenset[Signature]] = frozenset(
-    {("goal", 1), ("posed", 1), ("open", 1), ("lambda", 3)}
+    {("goal", 1), ("posed", 1), ("open", 1), ("lambda", 3), ("kind", 2)}
 )  # given as facts
 OUTPUT: Final[frozenset[Signature]] = frozenset(WORD_FACTS.items())  # read without `#show`
 _ALLOWED: Final = frozenset(

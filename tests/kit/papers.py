@@ -14,7 +14,7 @@ from kit.plays import BLUE, GREEN, RED, Play
 from kit.searches import ROBOT, TYPES, Searcher, detection, table_prior
 
 from skolem.reasoner.language.parser import parse_goal, parse_lambda
-from skolem.reasoner.planning.denotation import compile_description, evaluate
+from skolem.reasoner.planning.denotation import evaluate
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import PosedGoal, read_mutexes
 from skolem.reasoner.planning.instances import Instance
@@ -23,6 +23,7 @@ from skolem.reasoner.planning.regression import Found, Step, regress
 from skolem.reasoner.protocols import BeliefQueries
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import nll, parse_term
+from skolem.reasoner.worlds.circuits import compile_description
 from skolem.sim.symbolic.view import Solid
 from skolem.traces.messages import (
     Action,

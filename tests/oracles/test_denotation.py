@@ -14,7 +14,8 @@ from kit.draws import examples
 from kit.relation_tables import BOOK, ROUNDING, WORDS, Table
 
 from skolem.reasoner.language.parser import parse_lambda
-from skolem.reasoner.planning.denotation import compile_description, evaluate, evaluate_at
+from skolem.reasoner.planning.denotation import evaluate, evaluate_at
+from skolem.reasoner.worlds.circuits import compile_description
 
 ANCHORS = ("a", "b", "c")
 PROPERTIES = ("Green", "Soda", "Heavy")

@@ -10,9 +10,10 @@ from kit.relation_tables import BOOK, ROUNDING, WORDS, Table
 
 from skolem.reasoner.language.descriptions import And, Atom, Exists, Expression, Lambda, Name, Or, Variable, constant_of
 from skolem.reasoner.language.parser import parse_lambda
-from skolem.reasoner.planning.denotation import compile_description, evaluate, expression_term
+from skolem.reasoner.planning.denotation import evaluate
 from skolem.reasoner.planning.denotations import Denotations, alternatives
 from skolem.reasoner.terms import compound
+from skolem.reasoner.worlds.circuits import compile_description, expression_term
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import WeightInterval
 
@@ -142,13 +143,15 @@ def test_the_axioms_refuse_what_the_parser_never_makes(description: Lambda, reas
 
 def test_an_expression_without_an_axiom_is_named() -> None:
     body = compound("xor", "a", "b")
-    answer = BOOK.solve([compound("lambda", "e", "x", body)], None, ["denote"])
+    facts = [compound("lambda", "e", "x", body), compound("kind", "e", "lambda")]
+    answer = BOOK.solve(facts, None, ["denote"])
     assert [str(reason) for _, reason in answer.atoms["bad"]] == ["not_an_expression(xor(a,b))"]
 
 
 def test_axioms_of_one_conjunction_are_exactly_these() -> None:
     body = expression_term(described("lambda x. Green(x) & On(x, desk)").body)
-    answer = BOOK.solve([compound("lambda", "e", "x", body)], None, ["denote"])
+    facts = [compound("lambda", "e", "x", body), compound("kind", "e", "lambda")]
+    answer = BOOK.solve(facts, None, ["denote"])
     green, on = "(var(x),())", "(var(x),(desk,()))"
     assert sorted(f"{e} -> {c}" for e, c in answer.atoms["axiom"]) == [
         f"and(r(green,{green}),r(on,{on})) -> product(r(green,{green}),r(on,{on}))",

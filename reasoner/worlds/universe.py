@@ -1,0 +1,253 @@
+"""The objects of a belief as independent variables, and the relations that may hold between them.
+
+An object is an anchor, one that was overlooked in a region, or a stranger. No atom is true of an object that does not
+exist. The strangers of a region with the same properties are a Poisson number, independent of the others, and nothing
+but their number is uncertain; so one of them speaks for all.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import exp
+from typing import Final
+
+from skolem.reasoner.protocols import GroundBeliefs, Relation, Strangers, WorldBeliefs
+from skolem.reasoner.rulebook.vocabulary import Vocabulary
+from skolem.reasoner.terms import Term
+from skolem.reasoner.worlds.cells import Cells
+from skolem.reasoner.worlds.diagrams import FALSE, TRUE, Diagram
+from skolem.traces.errors import InternalError
+from skolem.traces.messages import Meaning, WeightInterval
+
+SURE: Final = 1e-9  # a relation at most this far from 0 or 1 counts as false or true
+
+
+@dataclass(frozen=True, slots=True)
+class Stranger:
+    """One of the strangers of a region with the properties of a cell.
+
+    Attributes:
+        region: Number of the region.
+        cell: Number of the cell.
+        index: Its number among them, from 1.
+    """
+
+    region: int
+    cell: int
+    index: int
+
+
+Individual = int | Stranger  # the number of a known object, or a stranger
+
+
+class Universe:
+    """The objects of a belief as variables of a diagram, and the relations that they may have.
+
+    Attributes:
+        diagram: The formulas about them.
+        cells: The cells of the words in question.
+        names: The anchors, by number.
+        uncertain: The relations that are neither sure nor impossible, by number.
+    """
+
+    def __init__(
+        self,
+        belief: GroundBeliefs,
+        vocabulary: Vocabulary,
+        meanings: Mapping[str, Meaning],
+        most: int = 0,
+        strangers: bool = True,
+        compared: bool = False,
+    ) -> None:
+        """Begin.
+
+        Args:
+            belief: The belief.
+            vocabulary: The words.
+            meanings: The properties in question, by name.
+            most: The greatest number of strangers of a kind that is asked for; 0 for no strangers.
+            strangers: Whether there may be objects that nobody has met.
+            compared: Whether weights are compared, so that a word about a weight is a relation.
+        """
+        self.diagram, self.cells = Diagram(), Cells.of(meanings)
+        self.names = belief.anchors()
+        self.uncertain: list[Relation] = []
+        self._belief, self.vocabulary, self.meanings = belief, vocabulary, meanings
+        self.compared = compared and isinstance(belief, WorldBeliefs)
+        self._relations: dict[Relation, int] = {}
+        self._numbers = {name: i for i, name in enumerate(self.names)}
+        self._variables = [self._variable(belief, name) for name in self.names]
+        self.regions: tuple[Strangers, ...] = ()
+        self._classes: dict[tuple[int, int], int] = {}  # variable of the number of strangers, by region and cell
+        self._supports: dict[int, str] = {}  # of the overlooked objects, by number
+        self._most = most
+        if strangers and most and isinstance(belief, WorldBeliefs):
+            self.regions = belief.strangers()
+            self._add_strangers(belief, most)
+
+    def _variable(self, belief: GroundBeliefs, name: str) -> int:
+        def prob(meaning: Meaning) -> float:
+            return belief.prob_property(name, meaning)
+
+        return self.diagram.variable(self.cells.probabilities(belief.prob_exists(name), prob))
+
+    def _add_strangers(self, belief: WorldBeliefs, most: int) -> None:
+        share = self.cells.probabilities(1.0, belief.prob_property_of_new)
+        for region, found in enumerate(self.regions):
+            if found.overlooked > 0.0:
+                self._variables.append(
+                    self.diagram.variable(self.cells.probabilities(found.overlooked, belief.prob_property_of_new))
+                )
+                self._supports[len(self._variables) - 1] = found.support
+            for cell, p in enumerate(share):
+                if found.expected * p > 0.0:
+                    numbers = poisson(found.expected * float(p), most)
+                    self._classes[region, cell] = self.diagram.variable(numbers)
+
+    @property
+    def open(self) -> bool:
+        """Whether there may be objects that nobody has met."""
+        return bool(self.regions)
+
+    # ------------------------------------------------------------ objects
+
+    def known(self, term: Term) -> Individual | None:
+        """Return the object that a constant names."""
+        return self._numbers.get(term) if isinstance(term, str) else None
+
+    def objects(self) -> range:
+        """Return the numbers of the anchors and the overlooked objects."""
+        return range(len(self._variables))
+
+    def classes(self) -> Iterator[tuple[int, int]]:
+        """Yield region and cell of each kind of stranger."""
+        yield from self._classes
+
+    def exists(self, one: Individual) -> int:
+        """Return the formula: the object exists."""
+        if isinstance(one, Stranger):
+            return self.more_than(one.region, one.cell, one.index - 1)
+        return self.diagram.literal(self._variables[one], self.cells.present)
+
+    def more_than(self, region: int, cell: int, number: int) -> int:
+        """Return the formula: a region has more than that number of strangers of a kind.
+
+        Raises:
+            InternalError: If the number is beyond the greatest one that was stated.
+        """
+        if number >= self._most:
+            raise InternalError(
+                f"more than {number} strangers of a kind are asked for; {self._most} were reckoned with"
+            )
+        return self.diagram.literal(self._classes[region, cell], (1 << self._most + 1) - (1 << number + 1))
+
+    def has(self, one: Individual, name: str) -> int:
+        """Return the formula: the object exists and has the property of that name."""
+        mask = self.cells.masks[name]
+        if isinstance(one, Stranger):
+            return self.exists(one) if mask >> one.cell & 1 else FALSE
+        meaning = self.meanings[name]
+        if self.compared and isinstance(meaning, WeightInterval) and one < len(self.names):
+            weighs = self.related(Relation("weighs", (self.names[one],), meaning=meaning))
+            return self.diagram.all_of((self.exists(one), weighs))
+        return self.diagram.literal(self._variables[one], mask)
+
+    # ------------------------------------------------------------ relations
+
+    def rests(self, one: Individual, support: Individual) -> int:
+        """Return the formula: both exist, and the first rests on the second."""
+        if isinstance(support, Stranger) or support >= len(self.names):
+            return FALSE
+        below = self.names[support]
+        if isinstance(one, Stranger) or one >= len(self.names):
+            at = self.regions[one.region].support if isinstance(one, Stranger) else self._supports[one]
+            return self._both(one, support, TRUE if at == below else FALSE)
+        return self._both(one, support, self.related(Relation("on", (self.names[one], below))))
+
+    def beside(self, one: Individual, other: Individual, distance_m: float) -> int | None:
+        """Return the formula: both exist and are near each other; None if that is not known."""
+        if one == other:
+            return FALSE
+        if not self._met(one, other):
+            return None
+        anchors = (self.names[_number(one)], self.names[_number(other)])
+        if isinstance(self._belief, WorldBeliefs) and _number(one) > _number(other):
+            anchors = anchors[::-1]
+        return self._both(one, other, self.related(Relation("near", anchors, distance_m)))
+
+    def heavier(self, one: Individual, other: Individual) -> int | None:
+        """Return the formula: both exist, and the first weighs more; None if that is not known."""
+        if one == other:
+            return FALSE
+        if not self.compared or not self._met(one, other):
+            return None
+        first, second = _number(one), _number(other)
+        found = self.related(Relation("heavier", (self.names[min(first, second)], self.names[max(first, second)])))
+        return self._both(one, other, found if first < second else self.diagram.negation(found))
+
+    def nearer(self, one: Individual, other: Individual, to: Individual) -> int | None:
+        """Return the formula: all exist, and the first is nearer to the third; None if that is not known."""
+        if one == other or other == to:
+            return FALSE
+        if one == to:
+            return self._both(one, other, TRUE)
+        if not isinstance(self._belief, WorldBeliefs) or not self._met(one, other, to):
+            return None
+        first, second = _number(one), _number(other)
+        names = (self.names[min(first, second)], self.names[max(first, second)], self.names[_number(to)])
+        found = self.related(Relation("nearer", names))
+        found = found if first < second else self.diagram.negation(found)
+        return self.diagram.all_of((self._both(one, other, found), self.exists(to)))
+
+    def _met(self, *objects: Individual) -> bool:
+        return all(not isinstance(one, Stranger) and one < len(self.names) for one in objects)
+
+    def _both(self, one: Individual, other: Individual, relation: int) -> int:
+        return self.diagram.all_of((self.exists(one), self.exists(other), relation))
+
+    def related(self, relation: Relation) -> int:
+        """Return the formula: the relation holds between objects that exist."""
+        if relation not in self._relations:
+            self._relations[relation] = self._related(relation)
+        return self._relations[relation]
+
+    def _related(self, relation: Relation) -> int:
+        p = self.prob(relation)
+        if p is not None and p <= SURE:
+            return FALSE
+        if p is not None and p >= 1.0 - SURE:
+            return TRUE
+        self.uncertain.append(relation)
+        if isinstance(self._belief, WorldBeliefs):
+            return self.diagram.relation(len(self.uncertain) - 1)
+        assert p is not None
+        return self.diagram.literal(self.diagram.variable((1.0 - p, p)), 0b10)
+
+    def prob(self, relation: Relation) -> float | None:
+        """Return P(the relation holds between objects that exist); None if the belief gives no number for it."""
+        match relation:
+            case Relation("on", (one, support)):
+                return self._belief.prob_on(one, support)
+            case Relation("near", (one, other), distance_m):
+                return self._belief.prob_near(one, other, distance_m)
+            case Relation("weighs", (one,), _, WeightInterval() as meaning):
+                return self._belief.prob_property(one, meaning)
+        return None
+
+
+def poisson(mean: float, most: int) -> list[float]:
+    """Return P(N = k) of a Poisson number N for k < `most`, and P(N >= most)."""
+    terms = [exp(-mean)]
+    for k in range(1, most):
+        terms.append(terms[-1] * mean / k)
+    if most == 0:
+        return [1.0]
+    term, rest, k = terms[-1] * mean / most, 0.0, most
+    while term > 0.0 and rest + term != rest:  # summed from its own terms: 1 - the others would cancel
+        rest, k = rest + term, k + 1
+        term *= mean / k
+    return [*terms, rest]
+
+
+def _number(one: Individual) -> int:
+    assert isinstance(one, int)
+    return one
