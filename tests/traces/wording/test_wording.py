@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import given, strategies as st
-from kit.descriptions import goals
+from kit.descriptions import wide_goals
 from kit.places import GOLDEN, ROOT
 
 from skolem.reasoner.language.expressions import Goal
@@ -167,6 +167,13 @@ def test_an_operation_reads_as_what_is_to_be_done(recorded: str, said: str) -> N
         ("B(Den(lambda x. And(Heavy(x), Soda(x)), o), 0.9)", ["the heavy soda"]),
         ("B(Den(lambda x. Green(x) | Can(x), o), 0.9)", ["the thing that is green or a can"]),
         ("B(Den(lambda x. Can(x) & Soda(x), o), 0.9)", ["the thing that is a can and a soda"]),
+        ("B(Den(the x. Soda(x) & Green(x), o), 0.9)", ["the green soda"]),
+        ("B(Den(heaviest x. Soda(x) & Green(x), o), 0.9)", ["the heaviest green soda"]),
+        ("B(Den(lightest x. Green(x) | Red(x), o), 0.9)", ["the lightest thing that is green or red"]),
+        ("B(Den(λx. Soda(x) ∧ Green(x), o), 0.9) & B(Den(lambda x. Soda(x) & Green(x), p), 0.9)", ["the green soda"]),
+        ("B(Den(lambda x. Red(x), o), .9) & B(Den(iota x. Red(x), p), .9)", ["the red thing", "the red thing"]),
+        ("B(Den(lambda x. not Green(x), o), 0.9)", ['what "lambda x. not Green(x)" describes']),
+        ("B(Den(nearest x to can. Soda(x), o), 0.9)", ['what "nearest x to can. Soda(x)" describes']),
         ("B(Den(lambda x. On(x, table1), o), 0.9)", ['what "lambda x. On(x, table1)" describes']),
         ("B(Den(lambda x. Red(x), o), .9) & B(Den(lambda x. Can(x), p), .9)", ["the red thing", "the can"]),
     ],
@@ -177,7 +184,7 @@ def test_a_description_reads_as_the_goal_says_it(goal: str, said: list[str]) -> 
     assert words.described(f"e{len(said) + 1}") == "what is meant"
 
 
-@given(goals())
+@given(wide_goals())
 def test_descriptions_are_numbered_as_the_reasoner_numbers_them(goal: Goal) -> None:
     found, _ = descriptions(str(goal))
     assert {constant: description.text for constant, description in found.items()} == {
