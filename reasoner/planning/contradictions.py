@@ -62,7 +62,7 @@ _ANY: Final[_Ways] = ((),)  # nothing is known to be needed
 
 
 def contradictions(goal: Goal, vocabulary: Vocabulary) -> list[str]:
-    """Return a text for each conjunct, and for each two, that can never be believed with their bounds.
+    """Return a text for each conjunct that can never be believed with its bound, alone or with a later one.
 
     Args:
         goal: A well-formed goal.
@@ -80,10 +80,12 @@ def contradictions(goal: Goal, vocabulary: Vocabulary) -> list[str]:
             faults.append(f"{conjunct}: it can never be true, since {reason}")
         else:
             sound.append((conjunct, its_ways))
-    for (one, its_ways), (other, others) in combinations(sound, 2):
-        reason = _reason(_joined([its_ways, others]), vocabulary) if one.p + other.p > 1.0 else ""
-        if reason:
-            faults.append(f"{one} and {other}: both can never be believed, since {reason}")
+    for i, (one, its_ways) in enumerate(sound):
+        for other, others in sound[i + 1 :]:
+            reason = _reason(_joined([its_ways, others]), vocabulary) if one.p + other.p > 1.0 else ""
+            if reason:
+                faults.append(f"{one} and {other}: both can never be believed, since {reason}")
+                break
     return faults
 
 
