@@ -4,6 +4,7 @@ May import: nothing.
 """
 
 import errno
+import fcntl
 import os
 import tempfile
 from collections.abc import Iterator
@@ -69,6 +70,37 @@ def placed(path: Path) -> Iterator[Path]:
             give_name(draft, path)
     except OSError as error:
         raise unwritable(path, error) from error
+
+
+@contextmanager
+def locked(folder: Path, name: str) -> Iterator[None]:
+    """Let nobody else into the same block for the same folder; a process that has died holds nobody back.
+
+    Args:
+        folder: The folder; it is made if it is missing.
+        name: Name of the file in it that is locked; it stays.
+
+    Raises:
+        InputError: If another process is in the block, or the file cannot be written.
+    """
+    path = folder / name
+    try:
+        _make_folder_of(path)
+        file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        raise unwritable(path, error) from error
+    with open(file, "r+b") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            said = f"is in use by process {lock.read(20).decode('ascii', 'replace').strip() or '?'}"
+            raise InputError([Fault(str(folder), 0, 0, f"{said}; wait for it, or give another folder")]) from None
+        except OSError as error:
+            raise unwritable(path, error) from error
+        lock.truncate()
+        lock.write(b"%d\n" % os.getpid())
+        lock.flush()
+        yield
 
 
 def put(path: Path, data: bytes) -> None:

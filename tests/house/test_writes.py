@@ -10,6 +10,7 @@ ALLOWED = {  # file and function -> why it may write by itself
     ("traces/written.py", "created"): "the place",
     ("traces/written.py", "give_name"): "the place",
     ("traces/written.py", "put"): "the place",
+    ("traces/written.py", "locked"): "the place",
     ("traces/written.py", "refuse_unwritable"): "the place",
     ("sim/robot/assets.py", "patched_urdf_path"): "a folder of its own in the user's cache",
     ("sim/robot/assets.py", "_write_model"): "the same",

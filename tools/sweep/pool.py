@@ -5,19 +5,23 @@ A worker that dies loses no finished run: traces are fetched at once, and anothe
 
 import logging
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import contextmanager
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager, suppress
 from tempfile import TemporaryDirectory
 
 import dask
 from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+from distributed.utils import silence_logging_cmgr
 
 from skolem.tools.sweep import task as sweep_task
 from skolem.tools.sweep.rows import lost_row
 from skolem.tools.sweep.task import Finished, Task, WorkerRefusedError, run_on_worker
-from skolem.traces.errors import Fault, InputError, InternalError
+from skolem.traces.errors import Fault, InputError
 
 ATTEMPTS = 4  # number of workers that may die in a run before it is given up
 CONNECT_S = 10  # longest wait for an answer of the scheduler
+TROUBLE = (OSError, RuntimeError, CancelledError)  # of dask: lost connections, waits that expire, a process that ends
+SILENCE = logging.CRITICAL  # of dask: what is lost is told by the run that it costs
 SETTINGS = {
     "distributed.scheduler.allowed-failures": ATTEMPTS - 1,
     "distributed.scheduler.worker-saturation": 1.0,  # runs wait at the scheduler: a dying worker counts for one alone
@@ -27,25 +31,35 @@ SETTINGS = {
 
 @contextmanager
 def local_workers(count: int) -> Iterator[Client]:
-    """Start single-threaded worker processes, reachable from this machine alone, and stop them at the end."""
+    """Start single-threaded worker processes, reachable from this machine alone, and stop them at the end.
+
+    Raises:
+        InputError: If they cannot be started.
+    """
     with (
         dask.config.set(SETTINGS),
-        TemporaryDirectory(prefix="skolem-sweep-") as folder,
-        LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address=None,
-            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any free port: two sweeps may run at a time
-            preload=[sweep_task.__name__],
-            memory_limit=None,
-            local_directory=folder,
-            silence_logs=logging.ERROR,
-            env={"OPENBLAS_NUM_THREADS": "1"},
-        ) as cluster,
-        Client(cluster) as client,
+        TemporaryDirectory(prefix="skolem-sweep-", ignore_cleanup_errors=True) as folder,
+        ExitStack() as opened,
     ):
+        try:
+            cluster = LocalCluster(
+                n_workers=count,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address=None,
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any free port: two sweeps may run at a time
+                preload=[sweep_task.__name__],
+                memory_limit=None,
+                local_directory=folder,
+                silence_logs=SILENCE,
+                env={"OPENBLAS_NUM_THREADS": "1"},
+            )
+            opened.enter_context(_closed(cluster))
+            client = Client(cluster)
+        except TROUBLE as error:
+            raise _refused(f"the processes could not be started: {error}", "--workers") from None
+        opened.enter_context(_closed(client))
         yield client
 
 
@@ -56,12 +70,12 @@ def workers_of(scheduler: str) -> Iterator[Client]:
     Raises:
         InputError: If the scheduler does not answer, or has no worker.
     """
-    with dask.config.set(SETTINGS):
+    with dask.config.set(SETTINGS), silence_logging_cmgr(SILENCE):
         try:
             client = Client(scheduler, timeout=CONNECT_S)
         except (OSError, ValueError, TypeError) as error:
             raise _refused(f"no scheduler answers at '{scheduler}': {error}") from None
-        with client:
+        with _closed(client):
             try:
                 client.wait_for_workers(1, timeout=CONNECT_S)
             except TimeoutError:
@@ -70,12 +84,21 @@ def workers_of(scheduler: str) -> Iterator[Client]:
             yield client
 
 
+@contextmanager
+def _closed(opened: LocalCluster | Client) -> Iterator[None]:
+    """Close something of dask at the end; if that fails, the runs are finished, or another error is told."""
+    try:
+        yield
+    finally:
+        with suppress(*TROUBLE):
+            opened.close()
+
+
 def run_all(client: Client, tasks: Sequence[Task]) -> Generator[tuple[Task, Finished], None, None]:
     """Yield every run when it is finished, in any order; the end of the iteration cancels the others.
 
     Raises:
-        InputError: If a worker refuses a run.
-        InternalError: If the scheduler is lost.
+        InputError: If a worker refuses a run, or the scheduler is lost.
     """
     futures = {client.submit(run_on_worker, task, pure=False): task for task in tasks}
     try:
@@ -84,17 +107,23 @@ def run_all(client: Client, tasks: Sequence[Task]) -> Generator[tuple[Task, Fini
             yield task, _finished(future, task)
             future.release()
     finally:
-        client.cancel(list(futures))
+        with suppress(*TROUBLE):
+            client.cancel(list(futures))
 
 
 def _finished(future: Future[Finished], task: Task) -> Finished:
-    status = future.status
-    if status == "finished":
-        finished: Finished = future.result()
-        return finished
-    if status != "error":
-        raise InternalError("the scheduler was lost; the finished runs are kept, the same command does the others")
-    error = future.exception()
+    """Return the result of a run that is no longer under way."""
+    error: BaseException | None = None
+    try:
+        if future.status == "finished":
+            finished: Finished = future.result()
+            return finished
+        if future.status == "error":
+            error = future.exception()
+    except TROUBLE:
+        pass
+    if error is None:
+        raise _refused("the scheduler was lost; the finished runs are kept, and the same command does the others")
     if isinstance(error, WorkerRefusedError):
         raise _refused(str(error))
     reason = (
@@ -105,5 +134,5 @@ def _finished(future: Future[Finished], task: Task) -> Finished:
     return Finished(lost_row(task.start, task.expected, reason), b"")
 
 
-def _refused(said: str) -> InputError:
-    return InputError([Fault("--scheduler", 0, 0, said)])
+def _refused(said: str, about: str = "--scheduler") -> InputError:
+    return InputError([Fault(about, 0, 0, " ".join(said.split()))])

@@ -2,6 +2,7 @@
 
 import json as json_format
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -10,17 +11,19 @@ from pathlib import Path
 from skolem.tools.loop.families import drawn_setup, refuse_unknown
 from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.sweep.calibration import calibration_of
+from skolem.tools.sweep.earlier import earlier, keep, kept_as
 from skolem.tools.sweep.progress import progress_for
 from skolem.tools.sweep.report import Part, line, sections, summary, with_section
 from skolem.tools.sweep.rows import Row, results_csv, times_csv
-from skolem.tools.sweep.task import Task, done_before, tasks_of
+from skolem.tools.sweep.task import Task, tasks_of
 from skolem.tools.words.terminal import output
-from skolem.traces.errors import Fault, InputError
+from skolem.traces.errors import MOST_FAULTS, Fault, InputError
 from skolem.traces.file.interrupts import interrupts_held
 from skolem.traces.given import read_regular
-from skolem.traces.written import put, refuse_unwritable
+from skolem.traces.written import locked, put, refuse_unwritable
 
 INTERRUPTED = 130
+LOCK = ".lock"  # in the folder of a sweep
 TABLES = ("results.csv", "times.csv", "summary.md")
 LONGEST = 16 << 20  # bytes of a report that gets a section
 MOST_SEEDS = 10_000  # of one sweep: each has a task, a row and a trace; further ones may follow in the same folder
@@ -140,15 +143,18 @@ def execute(
     """Do the runs that are not done yet, write the results files, print the results, and return the exit status.
 
     Raises:
-        InputError: If the results files could not be written in the end.
+        InputError: If the results files could not be written in the end, if another sweep uses the folder, or if the
+            workers are lost.
     """
     _check_places(out, write)
-    rows = {
-        task.name: row
-        for group in plan.groups
-        for task in group.tasks
-        if (row := done_before(task, group.setups[task.start.seed], out)) is not None
-    }
+    with locked(out, LOCK):
+        return _execute(plan, out, workers, scheduler, write, json, quiet)
+
+
+def _execute(
+    plan: Plan, out: Path, workers: int, scheduler: str | None, write: Path | None, json: bool, quiet: bool
+) -> int:
+    rows = _done_before(plan, out)
     interrupted = False
     try:
         _do_the_others(plan, out, rows, workers, scheduler, quiet)
@@ -169,6 +175,24 @@ def execute(
     if interrupted:
         return INTERRUPTED
     return 0 if all(row.believed for row in found) else 1
+
+
+def _done_before(plan: Plan, out: Path) -> dict[str, Row]:
+    """Return the rows of the runs that are done already, by the name of their trace; say which traces do not count."""
+    rows: dict[str, Row] = {}
+    others = []
+    for group in plan.groups:
+        for task in group.tasks:
+            found = earlier(task, group.setups[task.start.seed], out)
+            if found.row is not None:
+                rows[task.name] = found.row
+            elif found.why:
+                name = kept_as(out / task.name).name
+                others.append(f"{out / task.name}: {found.why}: the run is done anew, and this kept as {name}")
+    more = [f"and {len(others) - MOST_FAULTS} more"] if len(others) > MOST_FAULTS else []
+    if others:
+        output("\n".join([*others[:MOST_FAULTS], *more]), file=sys.stderr, flush=True)
+    return rows
 
 
 def _check_places(out: Path, write: Path | None) -> None:
@@ -222,6 +246,7 @@ def _do_the_others(
         for task, run in finished:
             with interrupts_held():
                 if run.trace:
+                    keep(out / task.name)
                     put(out / task.name, run.trace)
                 rows[task.name] = run.row
             progress.done(run.row)

@@ -17,10 +17,9 @@ from skolem.tools.loop.source import SOURCE_SHA256
 from skolem.tools.loop.stopwatch import LOADING, Stopwatch
 from skolem.tools.sweep.rows import Row, expected_of, read_row
 from skolem.traces import Trace
-from skolem.traces.errors import InputError, SkolemError, TraceError
+from skolem.traces.errors import InputError, SkolemError
 from skolem.traces.messages import RunStart, RunStatus
 
-BY_ITSELF = frozenset({"goal_achieved", "goal_unachievable", "limit_reached"})  # another attempt would end alike
 HASH_DIGITS = 8
 
 
@@ -81,24 +80,6 @@ def tasks_of(setup: Setup, overrides: Sequence[str], seeds: range) -> list[Task]
         )
         for seed in seeds
     ]
-
-
-def done_before(task: Task, setup: Setup, folder: Path) -> Row | None:
-    """Return the row of the run's trace in `folder`, or None if the run is still to be done.
-
-    A trace counts if it is whole, was made from the same scenario, rules, robot and seed by the same program, and the
-    run ended by itself.
-    """
-    path = folder / task.name
-    if not path.exists():
-        return None
-    try:
-        trace = Trace(path)
-        same = next(trace.of(RunStart), None) == task.start and trace.metadata["env"].get("source") == task.source
-        row = read_row(trace, task.name, setup) if same else None
-    except TraceError:
-        return None
-    return row if row is not None and row.status in BY_ITSELF else None
 
 
 def dask_setup(worker: object) -> None:

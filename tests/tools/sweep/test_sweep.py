@@ -18,15 +18,22 @@ import psutil
 import pytest
 from distributed import Client
 from kit.places import ROOT
+from kit.tampering import each, rewrite
+from mcap.records import Metadata
 
 from skolem.tools import cli
 from skolem.tools.loop.setup import Setup, prepare
 from skolem.tools.loop.stopwatch import PARTS
+from skolem.tools.sweep import pool
+from skolem.tools.sweep.earlier import Earlier, earlier
 from skolem.tools.sweep.rows import Row, results_csv, times_csv
-from skolem.tools.sweep.sweeping import seed_range
-from skolem.tools.sweep.task import Task, WorkerRefusedError, done_before, perform, tasks_of
+from skolem.tools.sweep.sweeping import LOCK, seed_range
+from skolem.tools.sweep.task import Task, WorkerRefusedError, perform, tasks_of
+from skolem.traces.errors import InputError
+from skolem.traces.file.codec import CONTENT
 from skolem.traces.file.reader import Trace
 from skolem.traces.messages import RunEnd
+from skolem.traces.written import locked
 
 GREEN = ROOT / "scenarios" / "sim1_green.yaml"
 COMMAND = [sys.executable, "-c", "import sys; from skolem.tools.cli import main; sys.exit(main())"]
@@ -120,22 +127,43 @@ def test_another_program_refuses_to_do_the_run(tmp_path: Path) -> None:
 def test_only_a_whole_trace_of_the_same_run_counts_as_done(tmp_path: Path) -> None:
     made = task()
     path = tmp_path / made.name
-    assert done_before(made, setup(), tmp_path) is None
+    assert earlier(made, setup(), tmp_path) == Earlier()
     run = perform(made, tmp_path)
     path.write_bytes(run.trace)
-    assert done_before(made, setup(), tmp_path) == run.row
-    other_seed = made.start.model_copy(update={"seed": 5})
-    assert done_before(replace(made, start=other_seed), setup(), tmp_path) is None
-    assert done_before(replace(made, source="of last week"), setup(), tmp_path) is None
+    assert earlier(made, setup(), tmp_path) == Earlier(run.row)
+    others = {
+        "seed": 5,
+        "goal": "another",
+        "world": "pybullet",
+        "limits": made.start.limits.model_copy(update={"steps": 2}),
+        "rules_sha256": {},
+        "robot_sha256": "another",
+        "scenario_sha256": "",
+    }
+    for name, value in others.items():
+        asked = replace(made, start=made.start.model_copy(update={name: value}))
+        found = earlier(asked, setup(), tmp_path)
+        assert (name, found.row, found.why.startswith("of ")) == (name, None, True)
+    assert earlier(replace(made, source="of last week"), setup(), tmp_path).why == "of another version of the program"
     path.write_bytes(run.trace[:-100])
-    assert done_before(made, setup(), tmp_path) is None
+    assert earlier(made, setup(), tmp_path).why.startswith("truncated")
+
+
+def test_a_trace_whose_hash_does_not_fit_does_not_count(tmp_path: Path) -> None:
+    made = task()
+    path = tmp_path / made.name
+    path.write_bytes(perform(made, tmp_path).trace)
+    forged = dict.fromkeys(Trace(path).metadata[CONTENT], "forged")
+    other = each(Metadata, lambda record: Metadata(CONTENT, forged) if record.name == CONTENT else record)
+    rewrite(path, tmp_path / "forged", other).replace(path)
+    assert earlier(made, setup(), tmp_path).why == "not as the hash of its content says"
 
 
 def test_a_run_that_raised_is_tried_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     made = task()
     monkeypatch.setattr("skolem.sim.symbolic.world.SymbolicWorld.execute", lambda self, action: 1 / 0)
     (tmp_path / made.name).write_bytes(perform(made, tmp_path).trace)
-    assert done_before(made, setup(), tmp_path) is None
+    assert earlier(made, setup(), tmp_path) == Earlier(why="of a run that was cut short (error)")
 
 
 def test_wall_times_stay_out_of_the_table_of_results(tmp_path: Path) -> None:
@@ -190,6 +218,68 @@ def test_an_account_is_put_into_a_file_that_has_others(by_two: Path, monkeypatch
     assert "| goal believed achieved | 0 of 4 | 0.0% |" in text
     assert called(monkeypatch, "sweep", *args, "--write", str(results), "-q") == 1
     assert results.read_text() == text
+
+
+def test_a_trace_that_does_not_count_is_named_and_kept(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    other = tmp_path / "other.yaml"
+    other.write_text(GREEN.read_text().replace("Green(x)", "Red(x)"))
+    args = ["--world", "symbolic", "--set", SHORT, "--seeds", "0", "--workers", "1", "-q", "-o", str(tmp_path / "out")]
+    out, contents = tmp_path / "out", []
+    for scenario, kept in ((GREEN, ""), (other, ".old"), (GREEN, ".old.2")):
+        called(monkeypatch, "sweep", str(scenario), *args)
+        name = table(out)[0]["trace"]
+        contents.append((out / name).read_bytes())
+        said = capsys.readouterr().err
+        if kept:
+            known = Path(name)
+            assert (out / f"{known.stem}{kept}{known.suffix}").read_bytes() == contents[-2]
+            assert said.startswith(f"{out / name}: of another goal: the run is done anew, and this kept as ")
+    assert len(list(out.glob("*.mcap"))) == 3
+    assert len(set(contents)) == 3 or contents[0] == contents[2] != contents[1]
+
+
+def test_a_folder_serves_one_sweep_at_a_time(
+    by_two: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    args = ["sweep", str(GREEN), "--world", "symbolic", "--set", SHORT, "--seeds", "0-3", "-o", str(by_two)]
+    with locked(by_two, LOCK):
+        assert called(monkeypatch, *args) == 2
+    said = f"{by_two}: is in use by process {os.getpid()}; wait for it, or give another folder\n"
+    assert capsys.readouterr().err == said
+    assert called(monkeypatch, *args) == 1
+
+
+class Reluctant:
+    """A cluster that does not start, or does not end."""
+
+    def __init__(self, starts: bool) -> None:
+        self._starts = starts
+
+    def __call__(self, **_: object) -> "Reluctant":
+        if not self._starts:
+            raise RuntimeError("Nanny failed to start.")
+        return self
+
+    def close(self) -> None:
+        raise TimeoutError
+
+
+def test_workers_that_do_not_start_are_one_line_and_2(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(pool, "LocalCluster", Reluctant(starts=False))
+    with pytest.raises(InputError, match=r"^--workers: the processes could not be started: Nanny failed to start\.$"):
+        with pool.local_workers(1):
+            pytest.fail("there are workers")
+
+
+def test_workers_that_do_not_end_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "LocalCluster", Reluctant(starts=True))
+    monkeypatch.setattr(pool, "Client", lambda cluster: cluster)
+    with pool.local_workers(1):
+        pass
+    with pytest.raises(OSError, match="of the block"), pool.local_workers(1):
+        raise OSError("of the block")
 
 
 @pytest.mark.parametrize(
@@ -301,6 +391,29 @@ def test_a_worker_that_is_killed_takes_no_run_along(by_two: Path, tmp_path: Path
     begun = [key for key, before, after in transitions if after == "processing" != before]
     assert len(finished) == len(set(finished)) == 6
     assert begun.count(run) == 2
+
+
+def test_a_scheduler_that_is_lost_is_one_line_and_what_is_finished_stays(tmp_path: Path) -> None:
+    with socket.socket() as free:
+        free.bind((HOST, 0))
+        port = free.getsockname()[1]
+    address = f"tcp://{HOST}:{port}"
+    worker = dask("worker", address, "--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path))
+    out = tmp_path / "out"
+    with (
+        started(dask("scheduler", "--port", str(port)), quiet=True) as scheduler,
+        started(worker, quiet=True),
+        started(sweep(out, "--seeds", "0-29", "--scheduler", address)) as process,
+    ):
+        first = process.stderr.readline()  # type: ignore[union-attr]
+        scheduler.kill()
+        _, err = process.communicate()
+    *others, last = err.splitlines()
+    said = "the scheduler was lost; the finished runs are kept, and the same command does the others"
+    assert (process.returncode, last) == (2, f"--scheduler: {said}")
+    assert all(line.startswith("[") for line in others)
+    assert all((out / row["trace"]).exists() for row in table(out))
+    assert len(table(out)) == len([first, *others])
 
 
 def test_a_scheduler_that_is_not_there_is_bad_input(
