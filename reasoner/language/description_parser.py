@@ -31,7 +31,7 @@ from skolem.reasoner.language.remedies import KEYWORDS, hint, hint_at_keyword, r
 
 MAX_NUMBER: Final = 1_000_000  # thousandths of it fit clingo's integers
 MAX_COUNT: Final = 20
-MAX_BINDERS: Final = 4  # inside one another; each multiplies the objects that are tried
+MAX_BINDERS: Final = 4  # inside one another, besides that of a description; each multiplies what is tried
 KINDS: Final[tuple[DescriptionKind, ...]] = get_args(DescriptionKind)
 _OBJECT_NAME: Final = re.compile(r"_*[a-z]\w*", re.ASCII)
 
@@ -105,8 +105,8 @@ class DescriptionParser(Cursor):
 
     def bind(self, token: Token) -> str:
         """Open the scope of a variable and return a name that is unique in this description or sentence."""
-        if len(self.bound) == MAX_BINDERS:
-            self.stop_at(token, f"more than {MAX_BINDERS} variables inside one another; state a simpler goal")
+        if len(self.bound) == MAX_BINDERS + (self.inside == "description"):
+            self.stop_at(token, f"more than {MAX_BINDERS} quantifiers inside one another; state a simpler goal")
         unique, count = token.text, 1
         while unique in self.binders or (count > 1 and unique in self.identifiers):
             count += 1
