@@ -1,6 +1,7 @@
 """Labels in the drawn world: what they say, and that as seen from the first eye none covers another or an object."""
 
 import itertools
+from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
@@ -57,29 +58,30 @@ def test_a_region_tells_where_things_can_hide_apart_from_what_is_known(tmp_path:
     trace, recording = Trace(recorded("sim3_unknown")), tmp_path / "run.rrd"
     eye = eye_of(trace)
     convert(trace, recording, pr2_model())
+    labels = labels_of(recording, eye)
     for step, belief in enumerate(trace.of(Belief)):
-        told = {text for text in labels_at(recording, step, eye) if text.startswith("_reg")}
+        told = {text for text in labels[step] if text.startswith("_reg")}
         assert told == {
             f"{name}: {100.0 * region.hidden:.0f} % unsearched, known {two_digits(region.seen)}"
             for name, region in belief.regions.items()
         }
 
 
-def labels_at(recording: Path, step: int, eye: Eye) -> dict[str, tuple[float, float, float, float]]:
-    """Return the rectangle of each label at a step, in pixels: left, top, right, bottom."""
-    found = {}
+Box = tuple[float, float, float, float]
+
+
+def labels_of(recording: Path, eye: Eye) -> dict[int, dict[str, Box]]:
+    """Return the rectangle of each label by step, in pixels: left, top, right, bottom."""
+    found: dict[int, dict[str, Box]] = defaultdict(dict)
     for chunk in RrdReader(recording).stream().to_chunks():
         if chunk.entity_path.endswith("/label") and "step" in chunk.timeline_names:
             rows = chunk.to_record_batch()
             steps, texts, places = (rows.column(n).to_pylist() for n in ("step", *COMPONENTS))
-            if step not in steps:  # the object is not known yet, or no longer
-                continue
-            at = steps.index(step)
-            (text,) = texts[at]
-            column, row, _ = eye.pixels(places[at])[0]
-            wide, high = half_size(text)
-            top = row - TEXT_PX
-            found[text] = (column - wide, top, column + wide, top + 2.0 * high)
+            for step, (text,), place in zip(steps, texts, places, strict=True):
+                column, row, _ = eye.pixels(place)[0]
+                wide, high = half_size(text)
+                top = row - TEXT_PX
+                found[step][text] = (column - wide, top, column + wide, top + 2.0 * high)
     return found
 
 
@@ -88,7 +90,7 @@ def test_no_label_covers_another_or_an_object(name: str, step: int, tmp_path: Pa
     trace = Trace(recorded(name))
     eye = eye_of(trace)
     convert(trace, tmp_path / "run.rrd", pr2_model())
-    boxes = labels_at(tmp_path / "run.rrd", step, eye)
+    boxes = labels_of(tmp_path / "run.rrd", eye)[step]
     belief, types = list(trace.of(Belief))[step], next(trace.of(Prior)).types
     assert len(boxes) >= len(belief.anchors) + len(belief.regions)
     assert not [pair for pair in itertools.combinations(boxes, 2) if overlap(*(boxes[text] for text in pair))]
@@ -106,12 +108,13 @@ def test_no_label_lies_on_the_robot(name: str, seed: int, tmp_path: Path) -> Non
     trace = Trace(recorded(name, seed))
     eye, robot = eye_of(trace), Robot(Rows(rr.RecordingStream("test")), pr2_model())
     convert(trace, tmp_path / "run.rrd", pr2_model())
+    labels = labels_of(tmp_path / "run.rrd", eye)
     for step, belief in enumerate(trace.of(Belief)):
         limbs = np.array(robot.limbs(belief))
         shares = np.linspace(0.0, 1.0, 10)[:, None, None]
         places = ((1.0 - shares) * limbs[:, 0] + shares * limbs[:, 1]).reshape(-1, 3)
         columns, rows, _ = eye.pixels([(x, y, z) for x, y, z in places.tolist()]).T
-        for text, (left, top, right, bottom) in labels_at(tmp_path / "run.rrd", step, eye).items():
+        for text, (left, top, right, bottom) in labels[step].items():
             on = (columns > left) & (columns < right) & (rows > top) & (rows < bottom)
             assert not on.any(), (step, text)
 
