@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from skolem.sim.space.pinhole import FOVY_RAD, Frame, pixel_rays
 from skolem.sim.truth.noise import Extrinsics
@@ -107,7 +107,7 @@ def depth_view(depth: NDArray[np.float64], base_T_camera: Frame) -> DepthView:
     """
     sampled = depth[VIEW_STRIDE - 1 :: VIEW_STRIDE, ::VIEW_STRIDE]
     rows, columns = sampled.shape
-    quaternion = Rotation.from_matrix(base_T_camera.axes).as_quat()
+    quaternion = scipy.spatial.transform.Rotation.from_matrix(base_T_camera.axes).as_quat()
     x, y, z, qx, qy, qz, qw = (float(value) for value in (*base_T_camera.origin, *quaternion))
     return DepthView(
         base_T_camera=(x, y, z, qx, qy, qz, qw),

@@ -8,8 +8,8 @@ other are separated where the outlines of types make up their tops, or where the
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from skolem.sim.detector.cloud import Cloud
 from skolem.sim.detector.fitting import Fit, fit_type
@@ -157,7 +157,7 @@ def _connected(cloud: Cloud) -> list[Cloud]:
     voxel = np.floor((cloud.points_base - cloud.points_base.min(axis=0)) / VOXEL_M).astype(np.int64)
     grid = np.zeros(voxel.max(axis=0) + 1, dtype=bool)
     grid[tuple(voxel.T)] = True
-    label, count = ndimage.label(grid, structure=np.ones((3, 3, 3)))
+    label, count = scipy.ndimage.label(grid, structure=np.ones((3, 3, 3)))
     of_point = label[tuple(voxel.T)]
     return [cloud.only(of_point == index + 1) for index in range(count)]
 

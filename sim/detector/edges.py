@@ -8,8 +8,8 @@ cuts it, and a pixel without reading shows nothing: none of these is an edge.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from skolem.sim.detector.cloud import Cloud
 from skolem.sim.detector.supports import Support
@@ -91,7 +91,7 @@ def _parts(foot: Array, on: NDArray[np.bool_]) -> NDArray[np.int64]:
         cell = np.floor((foot[on] - foot[on].min(axis=0)) / CELL_M).astype(np.int64)
         grid = np.zeros(cell.max(axis=0) + 1, dtype=bool)
         grid[tuple(cell.T)] = True
-        label, _ = ndimage.label(grid, structure=np.ones((3, 3)))
+        label, _ = scipy.ndimage.label(grid, structure=np.ones((3, 3)))
         part[on] = label[tuple(cell.T)]
     return part
 

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from skolem.traces.messages import ObjectType
 
@@ -75,7 +75,7 @@ def fit_type(
         return np.where(is_top, np.maximum(signed, 0.0), signed)
 
     fits = [
-        least_squares(residual, pose, loss="soft_l1", f_scale=OUTLIER_M, max_nfev=MAX_EVALUATIONS)
+        scipy.optimize.least_squares(residual, pose, loss="soft_l1", f_scale=OUTLIER_M, max_nfev=MAX_EVALUATIONS)
         for pose in (
             ([] if start is None else [start[: 2 if kind.shape == "cylinder" else 3]]) + _starts(feet, camera_xy, kind)
         )

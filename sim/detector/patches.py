@@ -9,8 +9,8 @@ such a shadow parts belong to one patch.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from skolem.sim.truth.noise import axial_sd
 
@@ -64,14 +64,14 @@ def patches(plane: Plane) -> list[Mask]:
     on = grid.count(plane.points[plane.near, :2])
     through = grid.count(_crossings(plane, above, above < -STEP_M))
     shadow = grid.count(_crossings(plane, above, above > STEP_M))
-    piece, number = ndimage.label(on > 0, structure=TOUCHING)
+    piece, number = scipy.ndimage.label(on > 0, structure=TOUCHING)
     of_point = piece[grid.cells(plane.points[plane.near, :2])]
     area = np.bincount(of_point, weights=plane.area[plane.near], minlength=number + 1)
     large = [index for index in range(1, number + 1) if area[index] >= MIN_AREA_M2]
     whole = [index for index in large if not _has_holes(piece == index, on, through, grid.cell_m)]
     small = WHOLE_SHARE * plane.table_m2
     whole = [index for index in whole if area[index] >= small or not _ends_in_view(piece == index, through)]
-    joined, _ = ndimage.label((on > 0) | (shadow > 0), structure=TOUCHING)
+    joined, _ = scipy.ndimage.label((on > 0) | (shadow > 0), structure=TOUCHING)
     kept = np.unique(joined[np.isin(piece, whole)])
     masks = []
     for index in kept:
@@ -85,8 +85,8 @@ def _has_holes(piece: Mask, on: NDArray[np.int64], through: NDArray[np.int64], c
     """Return whether rays go through a connected piece, given the numbers of points and of such rays in each cell."""
     reach = max(1, round(HOLE_M / 2.0 / cell_m))
     room = np.pad(piece, reach + 1)  # a closing needs room at the border
-    filled = ndimage.binary_closing(room, structure=TOUCHING, iterations=reach)
-    inner = ndimage.binary_erosion(filled, structure=TOUCHING)[reach + 1 : -reach - 1, reach + 1 : -reach - 1]
+    filled = scipy.ndimage.binary_closing(room, structure=TOUCHING, iterations=reach)
+    inner = scipy.ndimage.binary_erosion(filled, structure=TOUCHING)[reach + 1 : -reach - 1, reach + 1 : -reach - 1]
     return bool(through[inner].sum() > MAX_THROUGH * on[piece].sum())
 
 
@@ -94,7 +94,7 @@ def _ends_in_view(piece: Mask, through: NDArray[np.int64]) -> bool:
     """Return whether rays go past a connected piece on all sides, so that it is no larger than what is seen of it."""
     width = RING_CELLS[1]
     room = np.pad(piece, width)
-    near, far = (ndimage.binary_dilation(room, structure=TOUCHING, iterations=cells) for cells in RING_CELLS)
+    near, far = (scipy.ndimage.binary_dilation(room, structure=TOUCHING, iterations=cells) for cells in RING_CELLS)
     return bool((np.pad(through, width)[far & ~near] > 0).mean() >= ENDS)
 
 

@@ -8,8 +8,8 @@ the supports that `patches` finds in it: the tops of many things of one height l
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from skolem.sim.detector.patches import MIN_AREA_M2, MIN_RAY_SLOPE, Plane, patches
 
@@ -138,4 +138,4 @@ def _distance(points: NDArray[np.float64], plane: NDArray[np.float64]) -> NDArra
 def _support(points: NDArray[np.float64], plane: NDArray[np.float64]) -> Support:
     length = float(np.sqrt(plane[0] ** 2 + plane[1] ** 2 + 1.0))
     normal = np.array([-plane[0], -plane[1], 1.0]) / length
-    return Support(normal, float(plane[2]) / length, ConvexHull(points[:, :2]).equations, points)
+    return Support(normal, float(plane[2]) / length, scipy.spatial.ConvexHull(points[:, :2]).equations, points)

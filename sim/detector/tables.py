@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from skolem.sim.detector.cloud import Cloud
 from skolem.sim.detector.edges import Top, passed, tops
@@ -231,7 +231,7 @@ def _refined(start: Array, theta: float, kind: ObjectType, sides: list[Side]) ->
             rows.append(distance / side.sd_m / math.sqrt(len(distance)))
         return np.concatenate(rows)
 
-    fit = least_squares(residual, start)
+    fit = scipy.optimize.least_squares(residual, start)
     jacobian = np.asarray(fit.jac)
     return _canonical(np.asarray(fit.x), kind), np.asarray(np.linalg.inv(jacobian.T @ jacobian))
 

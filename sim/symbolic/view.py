@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from skolem.sim.robot.rotations import rotation
 from skolem.sim.space.pinhole import FOVY_RAD, Frame, pixel_rays
@@ -100,7 +100,9 @@ def depth_view(frame: Frame, solids: Sequence[Solid], believed: Frame) -> DepthV
     rays = pixel_rays(COLUMNS, ROWS).reshape(-1, 3) @ frame.axes.T
     depth = cast(frame, rays, solids)
     depth[depth > FAR_M] = 0.0
-    x, y, z, qx, qy, qz, qw = (float(v) for v in (*believed.origin, *Rotation.from_matrix(believed.axes).as_quat()))
+    x, y, z, qx, qy, qz, qw = (
+        float(v) for v in (*believed.origin, *scipy.spatial.transform.Rotation.from_matrix(believed.axes).as_quat())
+    )
     return DepthView(
         base_T_camera=(x, y, z, qx, qy, qz, qw),
         fovy_rad=FOVY_RAD,

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
+import scipy  # loads a part of itself when it is used
 from numpy.random import PCG64, Generator, SeedSequence
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from skolem.traces.messages import NoiseModel, Pose2
 from skolem.traces.messages.poses import wrap_half_open
@@ -86,7 +86,7 @@ def noisy_depth(depth: NDArray[np.float64], scale: float, draws: Generator) -> N
 
 def extrinsic_error(noise: NoiseModel, draws: Generator) -> Extrinsics:
     """Draw the calibration error of one look."""
-    turn = Rotation.from_rotvec(draws.normal(size=3) * noise.extrinsics_sd_rad).as_matrix()
+    turn = scipy.spatial.transform.Rotation.from_rotvec(draws.normal(size=3) * noise.extrinsics_sd_rad).as_matrix()
     return Extrinsics(turn, draws.normal(size=3) * noise.extrinsics_sd_m)
 
 
