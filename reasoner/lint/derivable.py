@@ -7,6 +7,7 @@ pattern matches is derived in no belief.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Final
 
 from clingo.ast import AST, ASTSequence, ASTType, ComparisonOperator, Sign
@@ -85,7 +86,7 @@ class Shapes:
         return True
 
 
-class _Kept:
+class Kept:
     """A node of a syntax tree that is read many times: clingo makes new objects for its parts at each access."""
 
     def __init__(self, node: AST) -> None:
@@ -95,14 +96,20 @@ class _Kept:
     def __getattr__(self, name: str) -> Any:
         part = getattr(self.node, name)
         if isinstance(part, AST):
-            part = _Kept(part)
+            part = Kept(part)
         elif isinstance(part, ASTSequence):
-            part = tuple(map(_Kept, part))
+            part = tuple(map(Kept, part))
         setattr(self, name, part)
         return part
 
     def __str__(self) -> str:
         return str(self.node)
+
+
+@lru_cache(1 << 12)
+def kept(statement: AST) -> Kept:
+    """Return the tree of a statement; the rules that ship are read again with every file that is checked."""
+    return Kept(statement)
 
 
 def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozenset[Signature] = frozenset()) -> Shapes:
@@ -114,7 +121,7 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
     """
     rules = [Source.of(file, s) for file, statements in files for s in statements if s.ast_type is ASTType.Rule]
     constants = constants_of(files)
-    trees = {source: _Kept(source.statement) for source in rules}
+    trees = {source: kept(source.statement) for source in rules}
     needs = {source: set(_needed(source.statement)) for source in rules}
     shapes = Shapes(_OPEN | uncertain)
     due = rules
@@ -131,7 +138,7 @@ def shapes_of(files: Sequence[tuple[RuleFile, Sequence[AST]]], uncertain: frozen
 
 def stated(rule: AST, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
     """Yield the predicates and patterns in the head of a rule, with `any` for each variable."""
-    symbol = _Kept(rule).head.atom.symbol
+    symbol = kept(rule).head.atom.symbol
     for term in symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]:
         for found in _patterns(term, {}, constants):
             yield (term.name, len(term.arguments)), found.args if isinstance(found, Compound) else ()
@@ -149,7 +156,7 @@ def _needed(rule: AST) -> Iterator[Signature]:
             yield from signatures(literal.atom)
 
 
-def _heads(rule: _Kept, shapes: Shapes, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
+def _heads(rule: Kept, shapes: Shapes, constants: Constants) -> Iterator[tuple[Signature, Tuple]]:
     symbol = rule.head.atom.symbol
     terms = symbol.arguments if symbol.ast_type is ASTType.Pool else [symbol]
     for binding in bindings(rule.body, shapes, constants):
@@ -159,7 +166,7 @@ def _heads(rule: _Kept, shapes: Shapes, constants: Constants) -> Iterator[tuple[
                 yield (term.name, len(term.arguments)), tuple(_cut(arg, _DEEPEST) for arg in args)
 
 
-def bindings(body: Iterable[_Kept], shapes: Shapes, constants: Constants) -> list[Binding]:
+def bindings(body: Iterable[Kept], shapes: Shapes, constants: Constants) -> list[Binding]:
     """Return the possible bindings of the variables of a body."""
     positive = [e for e in body if e.ast_type is ASTType.Literal and e.sign == Sign.NoSign]
     found: list[Binding] = [{}]
@@ -172,7 +179,7 @@ def bindings(body: Iterable[_Kept], shapes: Shapes, constants: Constants) -> lis
     return found
 
 
-def _matched(atom: _Kept, binding: Binding, shapes: Shapes, constants: Constants) -> Iterator[Binding]:
+def _matched(atom: Kept, binding: Binding, shapes: Shapes, constants: Constants) -> Iterator[Binding]:
     if atom.ast_type is not ASTType.Function:
         yield binding
         return
@@ -185,7 +192,7 @@ def _matched(atom: _Kept, binding: Binding, shapes: Shapes, constants: Constants
             yield new
 
 
-def _compared(comparison: _Kept, binding: Binding, constants: Constants) -> Iterator[Binding]:
+def _compared(comparison: Kept, binding: Binding, constants: Constants) -> Iterator[Binding]:
     """Yield the bindings under which a comparison may hold; only `V = term` restricts them."""
     guard = comparison.guards[0]
     left, right = comparison.term, guard.term
@@ -209,7 +216,7 @@ def _compared(comparison: _Kept, binding: Binding, constants: Constants) -> Iter
         yield binding | {left.name: value}
 
 
-def _bound(argument: _Kept, value: Term, binding: Binding, constants: Constants) -> Binding | None:
+def _bound(argument: Kept, value: Term, binding: Binding, constants: Constants) -> Binding | None:
     """Return the binding extended so that an argument matches a pattern; None if that is impossible."""
     if argument.ast_type is ASTType.Variable:
         if argument.name == "_":
@@ -229,7 +236,7 @@ def _bound(argument: _Kept, value: Term, binding: Binding, constants: Constants)
     return binding if any(meet(p, value) is not None for p in patterns) else None
 
 
-def _patterns(term: _Kept, binding: Binding, constants: Constants) -> Iterator[Term]:
+def _patterns(term: Kept, binding: Binding, constants: Constants) -> Iterator[Term]:
     match term.ast_type:
         case ASTType.Variable:
             yield binding.get(term.name, ANY)

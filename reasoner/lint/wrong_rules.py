@@ -10,7 +10,7 @@ from typing import Final
 
 from clingo.ast import AST, ASTType
 
-from skolem.reasoner.lint.derivable import Shapes, Source, constants_of, meet, shapes_of, stated
+from skolem.reasoner.lint.derivable import Kept, Shapes, Source, constants_of, kept, meet, shapes_of, stated
 from skolem.reasoner.lint.fluent_kinds import ACTIVITIES, COMMANDS, FLUENTS, pattern, shape, sorted_pattern
 from skolem.reasoner.planning.instances import title
 from skolem.reasoner.planning.queries import Queries
@@ -110,7 +110,7 @@ def _without_number(files: Files) -> Found:
     """Yield rules that write `any` for a cost or a level; in a pattern it would stand for what is not known yet."""
     for file, statements in files:
         for statement in statements:
-            head = statement.head.atom.symbol if statement.ast_type is ASTType.Rule else None
+            head = kept(statement).head.atom.symbol if statement.ast_type is ASTType.Rule else None
             for term in () if head is None else head.arguments if head.ast_type is ASTType.Pool else [head]:
                 said = list(term.arguments) if term.ast_type is ASTType.Function else []
                 if len(said) == 3 and term.name in ("cost", "precond") and str(said[2]) == ANY:
@@ -226,20 +226,20 @@ def _asked(files: Files) -> Iterator[tuple[Source, Term]]:
         for statement in statements:
             if statement.ast_type is not ASTType.Rule:
                 continue
-            for literal in statement.body:
+            for literal in kept(statement).body:
                 atom = literal.atom.symbol if _is_goal(literal) else None
                 if atom is not None:
                     yield Source.of(file, statement), written(atom.arguments[0])
 
 
-def _is_goal(literal: AST) -> bool:
+def _is_goal(literal: Kept) -> bool:
     if literal.ast_type is not ASTType.Literal or literal.atom.ast_type is not ASTType.SymbolicAtom:
         return False
     symbol = literal.atom.symbol
     return bool(symbol.ast_type is ASTType.Function and (symbol.name, len(symbol.arguments)) == ("goal", 1))
 
 
-def written(node: AST) -> Term:
+def written(node: AST | Kept) -> Term:
     """Return a term as a pattern: names and functions as written, `any` for everything else."""
     if node.ast_type is ASTType.Function and not node.external:
         args = tuple(map(written, node.arguments))
