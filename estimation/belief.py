@@ -3,7 +3,7 @@
 Only events change the belief. The same events give the same belief, to the last bit.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -35,6 +35,7 @@ from skolem.estimation.looking import Look
 from skolem.estimation.places import believed_places, is_beside, is_sought, sought
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
 from skolem.estimation.regions import Regions
+from skolem.estimation.relations import JointRelations, joint_relations
 from skolem.estimation.se2 import Matrix, Vector, turned, upper
 from skolem.estimation.tracks import Track, Tracks
 from skolem.estimation.visibility import outline_radius
@@ -252,6 +253,14 @@ class Belief:
     def support(self, anchor: str) -> str | None:
         """The most likely support of the object; None for the floor, for a hand, and if nothing is known."""
         return self._tracks[anchor].support
+
+    def relations(self, asked: Sequence[messages.Relation]) -> JointRelations:
+        """The joint distribution of relations between objects that exist; each must be possible at all."""
+        return joint_relations(asked, self._graph, self._tracks)
+
+    def strangers(self) -> tuple[messages.Strangers, ...]:
+        """The objects that nobody has met, for each region, in order of introduction."""
+        return self._regions.strangers()
 
     def prob_contents(self, region: str) -> float:
         """BContents: the seen share of the region, without the space of known objects."""

@@ -38,7 +38,17 @@ from skolem.estimation.events import (
     Weighed,
 )
 from skolem.estimation.graph_state import Grasp, diagonal, empty, grasp_factor
-from skolem.estimation.se2 import Matrix, Vector, adjoint, between, compose, inverse, relative_jacobian, symmetric
+from skolem.estimation.se2 import (
+    Matrix,
+    Vector,
+    adjoint,
+    apart,
+    between,
+    compose,
+    inverse,
+    relative_jacobian,
+    symmetric,
+)
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
 from skolem.traces.messages.poses import flat, raised
@@ -66,11 +76,6 @@ class Joint:
     def block(self, index: int) -> Matrix:
         """Return the marginal covariance of one pose, shape (3, 3)."""
         return self.covariance[3 * index : 3 * index + 3, 3 * index : 3 * index + 3]
-
-
-def _to_base(turn: float) -> Matrix:
-    """Return d(place) / d(tangent of the pose) of a body at heading `turn` (radians), shape (2, 3)."""
-    return adjoint((0.0, 0.0, turn))[:2] * (1.0, 1.0, 0.0)
 
 
 def _tuple(pose: gtsam.Pose2) -> Pose2:
@@ -328,12 +333,8 @@ class PoseGraph:
         Unlike a_T_b, the vector does not depend on the headings, which are unknown for cylinders.
         """
         joint = self.joint((BASE, a, b))
-        base, *both = joint.world_T_body
-        (ax, ay, turned_a), (bx, by, turned_b) = (between(base, pose) for pose in both)
-        jacobian = np.zeros((2, 9))
-        jacobian[:, 2] = (by - ay, ax - bx)  # by the base's heading
-        jacobian[:, 3:6], jacobian[:, 6:] = -_to_base(turned_a), _to_base(turned_b)
-        return np.array([bx - ax, by - ay]), jacobian @ joint.covariance @ jacobian.T
+        mean, jacobian = apart(*joint.world_T_body)
+        return mean, jacobian @ joint.covariance @ jacobian.T
 
     def mean(self, a: str, b: str) -> Pose2:
         """Return the mean of a_T_b without its covariance, which is much cheaper."""

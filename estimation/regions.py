@@ -20,7 +20,7 @@ from skolem.estimation.tracks import Tracks
 from skolem.estimation.unexplained import Unexplained, near_arms
 from skolem.estimation.visibility import DepthImage, prob_visible
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import ObjectType, Pose2, Pose4, PriorRegion, RegionBelief, RobotState
+from skolem.traces.messages import ObjectType, Pose2, Pose4, PriorRegion, RegionBelief, RobotState, Strangers
 from skolem.traces.messages.poses import raised
 
 EXACTLY = np.zeros((3, 3))  # covariance of an exact pose
@@ -143,9 +143,16 @@ class Regions:
         Unmet objects are a Poisson process over the places of the region. The prior states their expected number. Each
         has the property independently. Places that have been seen hold none. Unexplained hits may be one.
         """
-        at = self[region]
-        none_hidden = math.exp(-at.prior.expected_objects * at.coverage.hidden * match)
-        return 1.0 - none_hidden * (1.0 - match * self._overlooked(at))
+        found = self._strangers(self[region])
+        return 1.0 - math.exp(-found.expected * match) * (1.0 - match * found.overlooked)
+
+    def strangers(self) -> tuple[Strangers, ...]:
+        """Return the unmet objects of each region, in order of introduction."""
+        return tuple(map(self._strangers, self._regions.values()))
+
+    def _strangers(self, at: Region) -> Strangers:
+        expected = at.prior.expected_objects * at.coverage.hidden
+        return Strangers(support=at.prior.support, expected=expected, overlooked=self._overlooked(at))
 
     def prob_contents(self, region: str) -> float:
         """Return the known share of a region, times P(no unmet object is among the unexplained hits).

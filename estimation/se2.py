@@ -58,6 +58,19 @@ def relative_jacobian(a_T_b: Pose2) -> Matrix:
     return np.hstack([-adjoint(inverse(a_T_b)), np.eye(3)])
 
 
+def apart(w_T_base: Pose2, w_T_a: Pose2, w_T_b: Pose2) -> tuple[Vector, Matrix]:
+    """Return the vector from the place of a to that of b, base frame, shape (2,), and its derivative, shape (2, 9).
+
+    The derivative is by the tangents of base, a and b.
+    """
+    (ax, ay, turned_a), (bx, by, turned_b) = (between(w_T_base, pose) for pose in (w_T_a, w_T_b))
+    jacobian = np.zeros((2, 9))
+    jacobian[:, 2] = (by - ay, ax - bx)  # by the base's heading
+    for column, sign, turn in ((3, -1.0, turned_a), (6, 1.0, turned_b)):
+        jacobian[:, column : column + 2] = sign * adjoint((0.0, 0.0, turn))[:2, :2]
+    return np.array([bx - ax, by - ay]), jacobian
+
+
 def turned(covariance: Matrix, angle: float) -> Matrix:
     """Return R C R' for a covariance C over (x, y, theta) and the rotation R by `angle`; the axes turn by -`angle`."""
     r = adjoint((0.0, 0.0, angle))

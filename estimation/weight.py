@@ -69,15 +69,20 @@ class WeightBelief:
 
     def prob(self, interval: WeightInterval) -> float:
         """Return P(the weight lies in the interval)."""
-        low, high = _log_span(interval)
+        low, high = log_span(interval)
         if not self.count:
             sd = math.sqrt(max(self.variance, LEAST_VARIANCE))
             return float(ndtr((high - self.mean) / sd) - ndtr((low - self.mean) / sd))
-        u, p = self._grid()
-        edges = np.concatenate([u[:1], (u[1:] + u[:-1]) / 2.0, u[-1:]])
-        below = np.concatenate([[0.0], np.cumsum(p)])
-        mass = np.interp([low, high], edges, below)
+        mass = np.interp([low, high], *self.cumulated())
         return min(1.0, max(0.0, float(mass[1] - mass[0])))
+
+    def cumulated(self) -> tuple[Array, Array]:
+        """Return weights in ln(kg), ascending, and the probability below each; it is linear between them."""
+        u, p = self._grid()
+        if not self.count:
+            return u, np.asarray(ndtr((u - self.mean) / math.sqrt(max(self.variance, LEAST_VARIANCE))))
+        edges = np.concatenate([u[:1], (u[1:] + u[:-1]) / 2.0, u[-1:]])
+        return edges, np.concatenate([[0.0], np.cumsum(p)])
 
     def prob_favourable(self, interval: WeightInterval, p: float) -> float:
         """Return P(one reading raises the belief in the interval to at least `p` | the weight lies in it).
@@ -86,7 +91,7 @@ class WeightBelief:
         over all readings would be far coarser than the noise if the prior includes heavy objects.
         """
         u, mass = self._grid()
-        low, high = _log_span(interval)
+        low, high = log_span(interval)
         inside = (u >= low) & (u < high)
         if not inside.any():
             return 0.0
@@ -130,7 +135,7 @@ class WeightBelief:
         return np.asarray(log_p)
 
 
-def _log_span(interval: WeightInterval) -> tuple[float, float]:
+def log_span(interval: WeightInterval) -> tuple[float, float]:
     """Return the interval in ln(kg)."""
     low = math.log(interval.at_least_kg) if interval.at_least_kg > 0.0 else -math.inf
     high = math.inf if interval.below_kg is None else math.log(interval.below_kg)

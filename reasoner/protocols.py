@@ -7,13 +7,12 @@ May import: nothing.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.traces.messages import Activity, Belief, Command, Hand, Meaning, MoveBase, Quantity, WeightInterval
+from skolem.traces.messages import Activity, Belief, Command, Hand, Meaning, MoveBase, Quantity, Relation, Strangers
 
 
 class Gaussian(Protocol):
@@ -76,25 +75,6 @@ class OpenBeliefs(GroundBeliefs, Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class Relation:
-    """A relation of known objects whose truth depends on where they are or what they weigh.
-
-    Attributes:
-        kind: on: the first rests on the second. near: their middles are at most `distance_m` apart. heavier: the first
-            weighs more than the second. nearer: the middle of the first is nearer to that of the third than the middle
-            of the second is. weighs: the first has the weight of `meaning`.
-        anchors: The objects, as many as the kind needs.
-        distance_m: Greatest distance of near, metres.
-        meaning: The property of weighs.
-    """
-
-    kind: Literal["on", "near", "heavier", "nearer", "weighs"]
-    anchors: tuple[str, ...]
-    distance_m: float = 0.0
-    meaning: WeightInterval | None = None
-
-
 class RelationModel(Protocol):
     """The joint distribution of the truth of several relations, as a function of independent uniform numbers."""
 
@@ -106,21 +86,6 @@ class RelationModel(Protocol):
     def truth(self, uniforms: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether each relation holds, shape (n, relations), for numbers in (0, 1), shape (n, dimension)."""
         ...
-
-
-@dataclass(frozen=True, slots=True)
-class Strangers:
-    """The objects of a region that nobody has met: a Poisson number of them, and perhaps one that was overlooked.
-
-    Attributes:
-        support: The anchor on whose top the region lies.
-        expected: Mean of the Poisson number.
-        overlooked: P(one more object was overlooked in what has been seen).
-    """
-
-    support: str
-    expected: float
-    overlooked: float
 
 
 @runtime_checkable

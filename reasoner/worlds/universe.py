@@ -8,15 +8,15 @@ but their number is uncertain; so one of them speaks for all.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import exp
-from typing import Final
+from typing import Final, Literal
 
-from skolem.reasoner.protocols import GroundBeliefs, Relation, Strangers, WorldBeliefs
+from skolem.reasoner.protocols import GroundBeliefs, WorldBeliefs
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.reasoner.terms import Term
 from skolem.reasoner.worlds.cells import Cells
 from skolem.reasoner.worlds.diagrams import FALSE, TRUE, Diagram
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import Meaning, WeightInterval
+from skolem.traces.messages import Meaning, Relation, Strangers, WeightInterval
 
 SURE: Final = 1e-9  # a relation at most this far from 0 or 1 counts as false or true
 
@@ -37,6 +37,7 @@ class Stranger:
 
 
 Individual = int | Stranger  # the number of a known object, or a stranger
+RelationKind = Literal["on", "near", "heavier", "nearer", "weighs"]
 
 
 class Universe:
@@ -47,6 +48,7 @@ class Universe:
         cells: The cells of the words in question.
         names: The anchors, by number.
         uncertain: The relations that are neither sure nor impossible, by number.
+        chances: P(each of them holds); None if the belief gives no number for it.
     """
 
     def __init__(
@@ -71,9 +73,10 @@ class Universe:
         self.diagram, self.cells = Diagram(), Cells.of(meanings)
         self.names = belief.anchors()
         self.uncertain: list[Relation] = []
+        self.chances: list[float | None] = []
         self._belief, self.vocabulary, self.meanings = belief, vocabulary, meanings
         self.compared = compared and isinstance(belief, WorldBeliefs)
-        self._relations: dict[Relation, int] = {}
+        self._relations: dict[_Asked, int] = {}
         self._numbers = {name: i for i, name in enumerate(self.names)}
         self._variables = [self._variable(belief, name) for name in self.names]
         self.regions: tuple[Strangers, ...] = ()
@@ -147,7 +150,7 @@ class Universe:
             return self.exists(one) if mask >> one.cell & 1 else FALSE
         meaning = self.meanings[name]
         if self.compared and isinstance(meaning, WeightInterval) and one < len(self.names):
-            weighs = self.related(Relation("weighs", (self.names[one],), meaning=meaning))
+            weighs = self.related("weighs", (self.names[one],), 0.0, meaning)
             return self.diagram.all_of((self.exists(one), weighs))
         return self.diagram.literal(self._variables[one], mask)
 
@@ -161,7 +164,7 @@ class Universe:
         if isinstance(one, Stranger) or one >= len(self.names):
             at = self.regions[one.region].support if isinstance(one, Stranger) else self._supports[one]
             return self._both(one, support, TRUE if at == below else FALSE)
-        return self._both(one, support, self.related(Relation("on", (self.names[one], below))))
+        return self._both(one, support, self.related("on", (self.names[one], below)))
 
     def beside(self, one: Individual, other: Individual, distance_m: float) -> int | None:
         """Return the formula: both exist and are near each other; None if that is not known."""
@@ -172,7 +175,7 @@ class Universe:
         anchors = (self.names[_number(one)], self.names[_number(other)])
         if isinstance(self._belief, WorldBeliefs) and _number(one) > _number(other):
             anchors = anchors[::-1]
-        return self._both(one, other, self.related(Relation("near", anchors, distance_m)))
+        return self._both(one, other, self.related("near", anchors, distance_m))
 
     def heavier(self, one: Individual, other: Individual) -> int | None:
         """Return the formula: both exist, and the first weighs more; None if that is not known."""
@@ -181,7 +184,7 @@ class Universe:
         if not self.compared or not self._met(one, other):
             return None
         first, second = _number(one), _number(other)
-        found = self.related(Relation("heavier", (self.names[min(first, second)], self.names[max(first, second)])))
+        found = self.related("heavier", (self.names[min(first, second)], self.names[max(first, second)]))
         return self._both(one, other, found if first < second else self.diagram.negation(found))
 
     def nearer(self, one: Individual, other: Individual, to: Individual) -> int | None:
@@ -194,7 +197,7 @@ class Universe:
             return None
         first, second = _number(one), _number(other)
         names = (self.names[min(first, second)], self.names[max(first, second)], self.names[_number(to)])
-        found = self.related(Relation("nearer", names))
+        found = self.related("nearer", names)
         found = found if first < second else self.diagram.negation(found)
         return self.diagram.all_of((self._both(one, other, found), self.exists(to)))
 
@@ -204,34 +207,45 @@ class Universe:
     def _both(self, one: Individual, other: Individual, relation: int) -> int:
         return self.diagram.all_of((self.exists(one), self.exists(other), relation))
 
-    def related(self, relation: Relation) -> int:
+    def related(
+        self,
+        kind: RelationKind,
+        anchors: tuple[str, ...],
+        distance_m: float = 0.0,
+        meaning: WeightInterval | None = None,
+    ) -> int:
         """Return the formula: the relation holds between objects that exist."""
-        if relation not in self._relations:
-            self._relations[relation] = self._related(relation)
-        return self._relations[relation]
+        key = kind, anchors, distance_m, meaning
+        if key not in self._relations:
+            self._relations[key] = self._related(key)
+        return self._relations[key]
 
-    def _related(self, relation: Relation) -> int:
-        p = self.prob(relation)
+    def _related(self, asked: "_Asked") -> int:
+        p = self._prob(asked)
         if p is not None and p <= SURE:
             return FALSE
         if p is not None and p >= 1.0 - SURE:
             return TRUE
-        self.uncertain.append(relation)
+        kind, anchors, distance_m, meaning = asked
+        self.uncertain.append(Relation(kind=kind, anchors=anchors, distance_m=distance_m, meaning=meaning))
+        self.chances.append(p)
         if isinstance(self._belief, WorldBeliefs):
             return self.diagram.relation(len(self.uncertain) - 1)
         assert p is not None
         return self.diagram.literal(self.diagram.variable((1.0 - p, p)), 0b10)
 
-    def prob(self, relation: Relation) -> float | None:
-        """Return P(the relation holds between objects that exist); None if the belief gives no number for it."""
-        match relation:
-            case Relation("on", (one, support)):
+    def _prob(self, asked: "_Asked") -> float | None:
+        match asked:
+            case "on", (one, support), _, _:
                 return self._belief.prob_on(one, support)
-            case Relation("near", (one, other), distance_m):
+            case "near", (one, other), distance_m, _:
                 return self._belief.prob_near(one, other, distance_m)
-            case Relation("weighs", (one,), _, WeightInterval() as meaning):
+            case "weighs", (one,), _, WeightInterval() as meaning:
                 return self._belief.prob_property(one, meaning)
         return None
+
+
+_Asked = tuple[RelationKind, tuple[str, ...], float, WeightInterval | None]
 
 
 def poisson(mean: float, most: int) -> list[float]:

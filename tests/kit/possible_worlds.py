@@ -33,8 +33,7 @@ from skolem.reasoner.language.descriptions import (
     Variable,
     constant_of,
 )
-from skolem.reasoner.protocols import Relation, Strangers
-from skolem.traces.messages import HsvUnion, HsvVolume, Meaning, TypeIs, WeightInterval
+from skolem.traces.messages import HsvUnion, HsvVolume, Meaning, Relation, Strangers, TypeIs, WeightInterval
 
 # The shipped words, and colours that overlap with them, one of them around hue 0.
 VOCABULARY = replace(
@@ -324,7 +323,10 @@ def beliefs(draw: st.DrawFn, strangers: bool = False) -> Open:
     if strangers:
         means, chances = st.floats(LEAST / 4, LEAST), st.sampled_from([0.0, 0.3])
         count = draw(st.integers(1, 2))
-        regions = [Strangers(draw(st.sampled_from(names)), draw(means), draw(chances)) for _ in range(count)]
+        regions = [
+            Strangers(support=draw(st.sampled_from(names)), expected=draw(means), overlooked=draw(chances))
+            for _ in range(count)
+        ]
     exists = {name: draw(st.sampled_from([1.0, 0.9, 0.5])) for name in names}
     return Open({name: draw(likely(4)) for name in names}, exists, arrangements, regions, draw(likely(2)))
 

@@ -53,6 +53,7 @@ from .reasoning import (
     PlanStep as PlanStep,
     RememberedStep as RememberedStep,
 )
+from .relations import Relation as Relation, Strangers as Strangers
 from .run import (
     Chain as Chain,
     Limits as Limits,
