@@ -52,27 +52,27 @@ class JointRelations:
     def truth(self, uniforms: Array) -> NDArray[np.bool_]:
         """Return whether each relation holds, shape (m, relations), for numbers in (0, 1), shape (m, dimension)."""
         n = len(self.factor)
-        poses = ndtri(uniforms[:, :n]) @ self.factor.T
+        poses = self.factor @ np.ascontiguousarray(ndtri(uniforms[:, :n]).T)
         others = uniforms[:, n:].T
         rests = {anchor: others[i] < p for i, (anchor, p) in enumerate(self.rests.items())}
         log_kg = {anchor: found(others[len(rests) + i]) for i, (anchor, found) in enumerate(self.weights.items())}
-        columns = []
+        found = np.empty((len(uniforms), len(self.asked)), dtype=np.bool_, order="F")
         for number, relation in enumerate(self.asked):
             if number in self.places:
                 means, derivatives = self.places[number]
-                vectors = [mean + poses @ derivative.T for mean, derivative in zip(means, derivatives, strict=True)]
-                columns.append(self._placed(number, relation, vectors, rests))
+                vectors = means[:, :, None] + derivatives @ poses
+                found[:, number] = self._placed(number, relation, vectors, rests)
             else:
-                columns.append(_weighed(relation, log_kg))
-        return np.stack(columns, axis=1) if columns else np.zeros((len(uniforms), 0), dtype=np.bool_)
+                found[:, number] = _weighed(relation, log_kg)
+        return found
 
     def _placed(
-        self, number: int, relation: Relation, vectors: Sequence[Array], rests: Mapping[str, NDArray[np.bool_]]
+        self, number: int, relation: Relation, vectors: Array, rests: Mapping[str, NDArray[np.bool_]]
     ) -> NDArray[np.bool_]:
         if relation.kind == "on":
-            inside = np.asarray((np.abs(vectors[0]) <= self.sizes[number]).all(axis=1))
+            inside = np.asarray((np.abs(vectors[0]) <= self.sizes[number][:, None]).all(axis=0))
             return inside & rests[relation.anchors[0]] if relation.anchors[0] in rests else inside
-        squares = [(vector**2).sum(axis=1) for vector in vectors]
+        squares = (vectors**2).sum(axis=1)
         return np.asarray(squares[0] <= relation.distance_m**2 if relation.kind == "near" else squares[0] < squares[1])
 
 

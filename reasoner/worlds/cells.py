@@ -5,7 +5,7 @@ holds the object that does not exist. So an object is one finite variable, a wor
 overlap or exclude each other do so in every formula. Type, colour and weight are independent of each other.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from skolem.traces.messages import ColourMeaning, HsvUnion, HsvVolume, Meaning, TypeIs, WeightInterval
 
 Array = NDArray[np.float64]
-Asked = Callable[[Meaning], float]  # the probability of a property
+Asked = Callable[[Meaning], Sequence[float]]  # the probability of a property, for each of some objects
 ABSENT: Final = 0  # the cell of the object that does not exist
 MOST_COLOURS: Final = 256  # colours that overlap in more ways than this are refused
 
@@ -36,12 +36,12 @@ class Quality:
     asked: tuple[Meaning, ...]
     weights: Array
 
-    def probabilities(self, prob: Asked) -> Array:
-        """Return the probability of each part, shape (parts,); rounding never makes one negative."""
-        found = self.weights @ np.array([prob(meaning) for meaning in self.asked], dtype=np.float64)
-        found = np.clip(found, 0.0, 1.0)
-        total = float(found.sum())
-        return np.concatenate([[max(0.0, 1.0 - total)], found / max(total, 1.0)])
+    def probabilities(self, prob: Asked, count: int) -> Array:
+        """Return the probability of each part, shape (count, parts); rounding never makes one negative."""
+        asked = np.array([prob(meaning) for meaning in self.asked], dtype=np.float64).reshape(len(self.asked), count)
+        found = np.clip((self.weights @ asked).T, 0.0, 1.0)
+        total = found.sum(axis=1, keepdims=True)
+        return np.concatenate([np.maximum(0.0, 1.0 - total), found / np.maximum(total, 1.0)], axis=1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,17 +73,19 @@ class Cells:
         """The cells in which the object exists."""
         return (1 << self.count) - 1 - (1 << ABSENT)
 
-    def probabilities(self, exists: float, prob: Asked) -> Array:
-        """Return the probability of each cell, shape (count,).
+    def table(self, exists: Sequence[float], prob: Asked) -> Array:
+        """Return the probability of each cell for several objects, shape (n, count).
 
         Args:
-            exists: P(the object exists).
-            prob: Function from a property to P(the object has it), given that it exists.
+            exists: P(it exists) of each object.
+            prob: Function from a property to P(it has it), given that it exists, of each object.
         """
-        found = np.array([exists])
+        found = np.array(exists, dtype=np.float64).reshape(-1, 1)
         for quality in self.qualities:
-            found = (found[:, None] * quality.probabilities(prob)).ravel()
-        return np.concatenate([[1.0 - exists], found])
+            if len(quality.parts) > 1:
+                parts = quality.probabilities(prob, len(exists))
+                found = (found[:, :, None] * parts[:, None, :]).reshape(len(exists), -1)
+        return np.concatenate([1.0 - np.array(exists, dtype=np.float64).reshape(-1, 1), found], axis=1)
 
 
 @lru_cache(1024)

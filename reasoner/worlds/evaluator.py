@@ -18,13 +18,12 @@ from skolem.reasoner.terms import Compound, Term
 from skolem.reasoner.worlds.circuits import Circuit, Leaf, Node, Product
 from skolem.reasoner.worlds.counting import Counting, TooManyCasesError
 from skolem.reasoner.worlds.diagrams import FALSE, Many, Number, Rel
-from skolem.reasoner.worlds.grounding import Bound, Grounder, compares, names_of, strangers_asked
+from skolem.reasoner.worlds.grounding import Grounder, compares, names_of, strangers_asked, unary_mask
 from skolem.reasoner.worlds.sampling import FIRST, MOST, SHIFTS, arrangements, interval, uniforms
 from skolem.reasoner.worlds.universe import Universe
 from skolem.traces.errors import InternalError
 
 Array = NDArray[np.float64]
-BOUNDS: Final[tuple[Bound, Bound]] = ("low", "high")
 TOO_LARGE: Final = "it depends on too many combinations of objects"
 STRANGERS: Final = "what is near objects that nobody has met, or weighs more than they do, is not known"
 
@@ -186,28 +185,40 @@ class Evaluator:
         most = sum(strangers_asked(node) for node in nodes)
         compared = any(compares(node, self._vocabulary) for node in nodes)
         universe = Universe(belief, self._vocabulary, meanings, most, strangers, compared)
-        formulas = [[_formula(claim, universe, grounder) for claim in claims] for grounder in _grounders(universe)]
-        lows, highs = formulas if len(formulas) == 2 else formulas * 2
+        exact = [_unary(claim, universe) for claim in claims]
+        if None not in exact:
+            return [Interval(p, p) for p in exact if p is not None]
+        lows, highs = _formulas(claims, universe)
         values = _Values(universe, belief, self._key)
         return [values.interval(low, high, at_least) for low, high in zip(lows, highs, strict=True)]
 
 
-def _grounders(universe: Universe) -> list[Grounder]:
-    """Return the makers of formulas: one for each bound; without strangers both bounds are the same."""
-    return [Grounder(universe, bound) for bound in (BOUNDS if universe.open else BOUNDS[:1])]
+def _unary(claim: Claim, universe: Universe) -> float | None:
+    """Return the probability of a claim about the properties of one known object; None for any other claim."""
+    match claim.parts:
+        case ((node, variable, anchor),) if variable is not None and anchor is not None and not universe.compared:
+            mask = unary_mask(node, variable, universe)
+            return None if mask is None else universe.share(anchor, mask)
+    return None
+
+
+def _formulas(claims: Sequence[Claim], universe: Universe) -> tuple[list[int], list[int]]:
+    """Return the formulas for the lower and for the upper bound of each claim."""
+    low = Grounder(universe, "low")
+    lows = [_formula(claim, universe, low) for claim in claims]
+    if not low.bounded:
+        return lows, lows
+    high = Grounder(universe, "high")
+    return lows, [_formula(claim, universe, high) for claim in claims]
 
 
 def _formula(claim: Claim, universe: Universe, grounder: Grounder) -> int:
     found = []
     for node, variable, anchor in claim.parts:
-        env = {}
-        if variable is not None and anchor is not None:
-            one = universe.known(anchor)
-            if one is None:
-                return FALSE
-            found.append(universe.exists(one))
-            env = {variable: one}
-        found.append(grounder.formula(node, env))
+        one = None if anchor is None else universe.known(anchor)
+        if anchor is not None and one is None:
+            return FALSE
+        found += [grounder.formula(node, variable, one)] + ([] if one is None else [universe.exists(one)])
     return universe.diagram.all_of(found)
 
 

@@ -30,7 +30,7 @@ from skolem.traces.errors import InternalError
 from skolem.traces.messages import Meaning
 
 Bound = Literal["low", "high"]
-Env = Mapping[Term, Individual]
+Env = Mapping[str, Individual]  # by the text of the variable
 
 
 def strangers_asked(node: Node) -> int:
@@ -74,88 +74,100 @@ class Plan:
     Attributes:
         node: The node.
         number: Its number; equal nodes have equal numbers.
-        free: The variables that occur free in it.
+        free: The texts of the variables that occur free in it, sorted.
         parts: The plans of the nodes directly inside it.
+        terms: The texts of its arguments or, of a quantifier, of its variable.
     """
 
     node: Node
     number: int
-    free: frozenset[Term]
+    free: tuple[str, ...]
     parts: tuple["Plan", ...]
+    terms: tuple[str, ...]
 
 
 class Grounder:
-    """Formulas of circuits in a universe, for one bound of the probability."""
+    """Formulas of circuits in a universe, for one bound of the probability.
+
+    Attributes:
+        bounded: Whether a formula depends on what is not known.
+    """
 
     def __init__(self, universe: Universe, bound: Bound) -> None:
         self._universe, self._diagram, self._bound = universe, universe.diagram, bound
         self._plans: dict[Node, Plan] = {}
-        self._done: dict[tuple[int, bool, tuple[Individual, ...]], int] = {}
+        self._done: dict[tuple[object, ...], int] = {}
+        self.bounded = False
 
-    def formula(self, node: Node, env: Env) -> int:
-        """Return the formula of a node whose variables stand for individuals."""
+    def formula(self, node: Node, variable: Term | None = None, one: Individual | None = None) -> int:
+        """Return the formula of a node; its variable, if it has one, stands for an object."""
+        env = {} if variable is None or one is None else {str(variable): one}
         return self._made(self._plan(node), env, True)
 
     def _plan(self, node: Node) -> Plan:
         if node not in self._plans:
             inner = tuple(map(self._plan, parts(node)))
-            free = _free(node, frozenset[Term]().union(*(plan.free for plan in inner)))
-            self._plans[node] = Plan(node, len(self._plans), free, inner)
+            free = sorted(_free(node, frozenset[str]().union(*(plan.free for plan in inner))))
+            self._plans[node] = Plan(node, len(self._plans), tuple(free), inner, tuple(map(str, _terms(node))))
         return self._plans[node]
 
     def _made(self, plan: Plan, env: Env, positive: bool) -> int:
         """Return the formula of a node; `positive`: it stands under an even number of negations."""
-        own = {variable: one for variable, one in env.items() if variable in plan.free}
-        key = (plan.number, positive, tuple(own[variable] for variable in sorted(own, key=str)))
-        if key not in self._done:
-            self._done[key] = self._formula(plan, own, positive)
-        return self._done[key]
+        key = (plan.number, positive, *(env.get(variable) for variable in plan.free))
+        found = self._done.get(key)
+        if found is None:
+            found = self._done[key] = self._formula(plan, env, positive)
+        return found
 
     def _formula(self, plan: Plan, env: Env, positive: bool) -> int:
         diagram, inner = self._diagram, plan.parts
         match plan.node:
-            case Leaf(relation, args):
-                return self._leaf(relation, args, env, positive)
-            case Identical(left, right):
-                one, other = self._individual(left, env), self._individual(right, env)
+            case Leaf():
+                return self._leaf(plan.node, plan.terms, env, positive)
+            case Identical():
+                one, other = (self._individual(term, env) for term in plan.terms)
                 return self._universe.exists(one) if one is not None and one == other else FALSE
             case Product():
-                return diagram.all_of(self._made(part, env, positive) for part in inner)
+                first = self._made(inner[0], env, positive)
+                return FALSE if first == FALSE else diagram.all_of((first, self._made(inner[1], env, positive)))
             case Either():
                 return diagram.some_of(self._made(part, env, positive) for part in inner)
             case Complement():
                 return diagram.negation(self._made(inner[0], env, not positive))
-            case EitherOver(variable, _):
-                return diagram.some_of(self._items(variable, inner[0], env, positive, 1))
-            case Counted(variable, _, least, most):
-                return self._counted(variable, inner[0], env, positive, least, most)
-            case Renamed(variable, meant, _):
+            case EitherOver():
+                return diagram.some_of(self._items(plan, env, positive, 1))
+            case Counted(_, _, least, most):
+                return self._counted(plan, env, positive, least, most)
+            case Renamed():
+                variable, meant = plan.terms
                 return self._made(inner[0], {**env, variable: env[meant]} if meant in env else env, positive)
             case Earlier():
                 raise InternalError("Was(..) needs the belief about the first moment, which no belief offers yet")
 
-    def _counted(self, variable: Term, inner: Plan, env: Env, positive: bool, least: int, most: int | None) -> int:
+    def _counted(self, plan: Plan, env: Env, positive: bool, least: int, most: int | None) -> int:
         """Return the formula of a number; what is not known may lie on the wrong side of both of its limits."""
         cap = max(least, 0 if most is None else most + 1)
-        items = tuple(self._items(variable, inner, env, positive, cap))
+        items = tuple(self._items(plan, env, positive, cap))
         if most is None:
             return self._diagram.number(items, least, None)
-        others = tuple(self._items(variable, inner, env, not positive, cap))
+        others = tuple(self._items(plan, env, not positive, cap))
         if items == others:
             return self._diagram.number(items, least, most)
         enough = self._diagram.number(items, least, None)
         return self._diagram.all_of((enough, self._diagram.negation(self._diagram.number(others, most + 1, None))))
 
-    def _items(self, variable: Term, inner: Plan, env: Env, positive: bool, cap: int) -> Iterator[int]:
+    def _items(self, plan: Plan, env: Env, positive: bool, cap: int) -> Iterator[int]:
         """Yield for each object the formula that it exists and the node holds; `cap` for each kind of stranger."""
-        universe, diagram = self._universe, self._diagram
-        named = sorted(
-            {one for one in env.values() if isinstance(one, Stranger)}, key=lambda s: (s.region, s.cell, s.index)
-        )
+        universe, diagram, (inner,), (variable,) = self._universe, self._diagram, plan.parts, plan.terms
+        bound = {env[name] for name in plan.free if name in env}
+        named = sorted((one for one in bound if isinstance(one, Stranger)), key=lambda s: (s.region, s.cell, s.index))
         for one in (*universe.objects(), *named):
             exists = universe.exists(one)
-            if exists != FALSE:
-                yield diagram.all_of((exists, self._made(inner, {**env, variable: one}, positive)))
+            if exists == FALSE:
+                continue
+            holds = self._made(inner, {**env, variable: one}, positive)
+            if holds != FALSE:
+                yield diagram.all_of((exists, holds))
         for region, cell in universe.classes() if cap else ():
             used = sum(s.region == region and s.cell == cell for s in named)
             holds = self._made(inner, {**env, variable: Stranger(region, cell, used + 1)}, positive)
@@ -164,16 +176,17 @@ class Grounder:
 
     # ------------------------------------------------------------ atoms
 
-    def _individual(self, term: Term, env: Env) -> Individual | None:
-        return env[term] if term in env else self._universe.known(term)
+    def _individual(self, term: str, env: Env) -> Individual | None:
+        found = env.get(term)
+        return self._universe.known(term) if found is None else found
 
-    def _leaf(self, relation: str, args: Sequence[Term], env: Env, positive: bool) -> int:
-        universe, words = self._universe, self._universe.vocabulary
-        match args:
-            case (term, Compound("number", (int(thousandths),))) if relation in words.exceeds:
-                one = self._individual(term, env)
+    def _leaf(self, leaf: Leaf, terms: Sequence[str], env: Env, positive: bool) -> int:
+        universe, words, relation = self._universe, self._universe.vocabulary, leaf.relation
+        match leaf.args:
+            case (_, Compound("number", (int(thousandths),))) if relation in words.exceeds:
+                one = self._individual(terms[0], env)
                 return FALSE if one is None else universe.has(one, comparison(relation, thousandths))
-        objects = [self._individual(arg, env) for arg in args]
+        objects = [self._individual(term, env) for term in terms]
         found: int | None
         match objects:
             case [one] if relation in words.meanings:
@@ -187,27 +200,55 @@ class Grounder:
             case [one, other, to] if relation == "nearer":
                 found = FALSE if one is None or other is None or to is None else universe.nearer(one, other, to)
             case _:
-                raise InternalError(f"{Compound(relation, tuple(args))} cannot be evaluated: no such relation")
+                raise InternalError(f"{Compound(relation, leaf.args)} cannot be evaluated: no such relation")
         if found is not None:
             return found
+        self.bounded = True
         if positive != (self._bound == "high"):
             return FALSE
         return self._diagram.all_of(universe.exists(one) for one in objects if one is not None)
 
 
-def _free(node: Node, inside: frozenset[Term]) -> frozenset[Term]:
-    """Return the variables that occur free in a node, given those of the nodes inside it."""
+def _terms(node: Node) -> tuple[Term, ...]:
+    """Return the arguments of a node, or the variables that it binds or renames."""
     match node:
         case Leaf(_, args):
-            return frozenset(arg for arg in args if _is_variable(arg))
+            return args
         case Identical(left, right):
-            return frozenset(arg for arg in (left, right) if _is_variable(arg))
+            return (left, right)
         case EitherOver() | Counted():
-            return inside - {node.variable}
-        case Renamed(variable, meant, _) if variable in inside:
-            return inside - {variable} | {meant}
+            return (node.variable,)
+        case Renamed():
+            return (node.variable, node.meant)
+    return ()
+
+
+def _free(node: Node, inside: frozenset[str]) -> frozenset[str]:
+    """Return the texts of the variables that occur free in a node, given those of the nodes inside it."""
+    match node:
+        case Leaf() | Identical():
+            return frozenset(str(term) for term in _terms(node) if isinstance(term, Compound) and term.name == "var")
+        case EitherOver() | Counted():
+            return inside - {str(node.variable)}
+        case Renamed() if str(node.variable) in inside:
+            return inside - {str(node.variable)} | {str(node.meant)}
     return inside
 
 
-def _is_variable(term: Term) -> bool:
-    return isinstance(term, Compound) and term.name == "var"
+def unary_mask(node: Node, variable: Term, universe: Universe) -> int | None:
+    """Return the cells of the objects of which a node is true; None if it is about other objects too."""
+    whole, vocabulary = universe.cells.present, universe.vocabulary
+    match node:
+        case Leaf(relation, (one,)) if one == variable and relation in vocabulary.meanings:
+            return universe.cells.masks[relation]
+        case Leaf(relation, (one, Compound("number", (int(thousandths),)))) if one == variable:
+            return universe.cells.masks[comparison(relation, thousandths)]
+        case Product(left, right) | Either(left, right):
+            masks = [unary_mask(part, variable, universe) for part in (left, right)]
+            if masks[0] is None or masks[1] is None:
+                return None
+            return masks[0] & masks[1] if isinstance(node, Product) else masks[0] | masks[1]
+        case Complement(inner):
+            mask = unary_mask(inner, variable, universe)
+            return None if mask is None else whole & ~mask
+    return None

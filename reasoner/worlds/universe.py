@@ -12,8 +12,7 @@ from typing import Final, Literal
 
 from skolem.reasoner.protocols import GroundBeliefs, WorldBeliefs
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
-from skolem.reasoner.terms import Term
-from skolem.reasoner.worlds.cells import Cells
+from skolem.reasoner.worlds.cells import Cells, bits
 from skolem.reasoner.worlds.diagrams import FALSE, TRUE, Diagram
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Meaning, Relation, Strangers, WeightInterval
@@ -75,47 +74,51 @@ class Universe:
         self.uncertain: list[Relation] = []
         self.chances: list[float | None] = []
         self._belief, self.vocabulary, self.meanings = belief, vocabulary, meanings
-        self.compared = compared and isinstance(belief, WorldBeliefs)
+        self._joint = belief if isinstance(belief, WorldBeliefs) else None
+        self.compared = compared and self._joint is not None
         self._relations: dict[_Asked, int] = {}
+        self._shares: dict[int, list[float]] = {}  # by mask, of each anchor
         self._numbers = {name: i for i, name in enumerate(self.names)}
-        self._variables = [self._variable(belief, name) for name in self.names]
+        rows = self.cells.table(
+            [belief.prob_exists(name) for name in self.names],
+            lambda meaning: [belief.prob_property(name, meaning) for name in self.names],
+        )
+        self._rows = rows
+        self._variables = [self.diagram.variable(row) for row in rows.tolist()]
         self.regions: tuple[Strangers, ...] = ()
         self._classes: dict[tuple[int, int], int] = {}  # variable of the number of strangers, by region and cell
         self._supports: dict[int, str] = {}  # of the overlooked objects, by number
         self._most = most
-        if strangers and most and isinstance(belief, WorldBeliefs):
-            self.regions = belief.strangers()
-            self._add_strangers(belief, most)
-
-    def _variable(self, belief: GroundBeliefs, name: str) -> int:
-        def prob(meaning: Meaning) -> float:
-            return belief.prob_property(name, meaning)
-
-        return self.diagram.variable(self.cells.probabilities(belief.prob_exists(name), prob))
+        if strangers and most and self._joint is not None:
+            self.regions = self._joint.strangers()
+            self._add_strangers(self._joint, most)
 
     def _add_strangers(self, belief: WorldBeliefs, most: int) -> None:
-        share = self.cells.probabilities(1.0, belief.prob_property_of_new)
+        def prob(meaning: Meaning) -> list[float]:
+            return [belief.prob_property_of_new(meaning)]
+
+        (share,) = self.cells.table([1.0], prob)
         for region, found in enumerate(self.regions):
             if found.overlooked > 0.0:
-                self._variables.append(
-                    self.diagram.variable(self.cells.probabilities(found.overlooked, belief.prob_property_of_new))
-                )
-                self._supports[len(self._variables) - 1] = found.support
+                self._supports[len(self._variables)] = found.support
+                self._variables.append(self.diagram.variable(*self.cells.table([found.overlooked], prob)))
             for cell, p in enumerate(share):
                 if found.expected * p > 0.0:
                     numbers = poisson(found.expected * float(p), most)
                     self._classes[region, cell] = self.diagram.variable(numbers)
 
-    @property
-    def open(self) -> bool:
-        """Whether there may be objects that nobody has met."""
-        return bool(self.regions)
+    def share(self, anchor: str, mask: int) -> float:
+        """Return P(an anchor exists and is in one of the cells of a mask); 0 for an unknown anchor."""
+        if mask not in self._shares:
+            self._shares[mask] = (self._rows @ bits(mask, self.cells.count)).tolist()
+        number = self._numbers.get(anchor)
+        return 0.0 if number is None else self._shares[mask][number]
 
     # ------------------------------------------------------------ objects
 
-    def known(self, term: Term) -> Individual | None:
-        """Return the object that a constant names."""
-        return self._numbers.get(term) if isinstance(term, str) else None
+    def known(self, name: str) -> int | None:
+        """Return the number of an anchor; None for an unknown one."""
+        return self._numbers.get(name)
 
     def objects(self) -> range:
         """Return the numbers of the anchors and the overlooked objects."""
@@ -173,7 +176,7 @@ class Universe:
         if not self._met(one, other):
             return None
         anchors = (self.names[_number(one)], self.names[_number(other)])
-        if isinstance(self._belief, WorldBeliefs) and _number(one) > _number(other):
+        if self._joint is not None and _number(one) > _number(other):
             anchors = anchors[::-1]
         return self._both(one, other, self.related("near", anchors, distance_m))
 
@@ -193,7 +196,7 @@ class Universe:
             return FALSE
         if one == to:
             return self._both(one, other, TRUE)
-        if not isinstance(self._belief, WorldBeliefs) or not self._met(one, other, to):
+        if self._joint is None or not self._met(one, other, to):
             return None
         first, second = _number(one), _number(other)
         names = (self.names[min(first, second)], self.names[max(first, second)], self.names[_number(to)])
@@ -205,6 +208,8 @@ class Universe:
         return all(not isinstance(one, Stranger) and one < len(self.names) for one in objects)
 
     def _both(self, one: Individual, other: Individual, relation: int) -> int:
+        if relation == FALSE:
+            return FALSE
         return self.diagram.all_of((self.exists(one), self.exists(other), relation))
 
     def related(
@@ -229,7 +234,7 @@ class Universe:
         kind, anchors, distance_m, meaning = asked
         self.uncertain.append(Relation(kind=kind, anchors=anchors, distance_m=distance_m, meaning=meaning))
         self.chances.append(p)
-        if isinstance(self._belief, WorldBeliefs):
+        if self._joint is not None:
             return self.diagram.relation(len(self.uncertain) - 1)
         assert p is not None
         return self.diagram.literal(self.diagram.variable((1.0 - p, p)), 0b10)
