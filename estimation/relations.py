@@ -56,23 +56,30 @@ class JointRelations:
         others = uniforms[:, n:].T
         rests = {anchor: others[i] < p for i, (anchor, p) in enumerate(self.rests.items())}
         log_kg = {anchor: found(others[len(rests) + i]) for i, (anchor, found) in enumerate(self.weights.items())}
+        stacked = [derivatives.reshape(-1, n) for _, derivatives in self.places.values()]
+        rows = iter(np.concatenate([np.zeros((0, n)), *stacked]) @ poses)
         found = np.empty((len(uniforms), len(self.asked)), dtype=np.bool_, order="F")
         for number, relation in enumerate(self.asked):
             if number in self.places:
-                means, derivatives = self.places[number]
-                vectors = means[:, :, None] + derivatives @ poses
+                means, _ = self.places[number]
+                vectors = [(x + next(rows), y + next(rows)) for x, y in means.tolist()]
                 found[:, number] = self._placed(number, relation, vectors, rests)
             else:
                 found[:, number] = _weighed(relation, log_kg)
         return found
 
     def _placed(
-        self, number: int, relation: Relation, vectors: Array, rests: Mapping[str, NDArray[np.bool_]]
+        self,
+        number: int,
+        relation: Relation,
+        vectors: Sequence[tuple[Array, Array]],
+        rests: Mapping[str, NDArray[np.bool_]],
     ) -> NDArray[np.bool_]:
         if relation.kind == "on":
-            inside = np.asarray((np.abs(vectors[0]) <= self.sizes[number][:, None]).all(axis=0))
+            ((x, y),), (width, depth) = vectors, self.sizes[number]
+            inside = np.asarray((np.abs(x) <= width) & (np.abs(y) <= depth))
             return inside & rests[relation.anchors[0]] if relation.anchors[0] in rests else inside
-        squares = (vectors**2).sum(axis=1)
+        squares = [x * x + y * y for x, y in vectors]
         return np.asarray(squares[0] <= relation.distance_m**2 if relation.kind == "near" else squares[0] < squares[1])
 
 

@@ -91,7 +91,9 @@ def test_each_relation_alone_is_as_likely_as_the_belief_says(places: Mapping[str
     asked = [Relation(kind="on", anchors=(can, "table1")) for can in places]
     asked += [Relation(kind="near", anchors=(a, b), distance_m=0.25) for a in places for b in places if a < b]
     expected = [
-        belief.prob_on(*one.anchors) if one.kind == "on" else belief.prob_near(*one.anchors, one.distance_m)
+        belief.prob_on(*one.anchors)
+        if one.kind == "on"
+        else belief.prob_near(one.anchors[0], one.anchors[1], one.distance_m)
         for one in asked
     ]
     model = belief.relations(asked)
