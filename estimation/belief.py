@@ -29,13 +29,12 @@ from skolem.estimation.events import (
     canonical_order,
 )
 from skolem.estimation.extrinsics import expected_look
-from skolem.estimation.fluents import disc, prob_in_polygon, rectangle
+from skolem.estimation.fluents import JointRelations, disc, joint_relations, prob_in_polygon, rectangle
 from skolem.estimation.identity import Identity
 from skolem.estimation.looking import Look
 from skolem.estimation.places import believed_places, is_beside, is_sought, sought
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
 from skolem.estimation.regions import Regions
-from skolem.estimation.relations import JointRelations, joint_relations
 from skolem.estimation.se2 import Matrix, Vector, turned, upper
 from skolem.estimation.tracks import Track, Tracks
 from skolem.estimation.visibility import outline_radius

@@ -1,14 +1,29 @@
-"""Tests on Gaussian beliefs: probability mass in a polygon, and comparison of covariances. Pure functions."""
+"""Tests on Gaussian beliefs: probability mass in a polygon, comparison of covariances, and relations of many objects.
+
+The geometry of several relations is that of `Belief.prob_on` and `Belief.prob_near`: places are linear in the tangents
+of the poses. So one standard normal vector, through the Cholesky factor of the poses that matter, gives all places.
+"""
 
 import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import owens_t
+from scipy.special import ndtri, owens_t
+
+from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
+from skolem.estimation.se2 import Matrix, adjoint, apart, between, relative_jacobian
+from skolem.estimation.tracks import Tracks
+from skolem.estimation.visibility import outline_radius
+from skolem.estimation.weight import log_span
+from skolem.traces.errors import InternalError
+from skolem.traces.messages import Relation
 
 Array = NDArray[np.float64]
 LEAST_SD = 1e-9  # metres; a narrower Gaussian is widened to this before it is whitened
 TINY = 1e-300  # divisor instead of zero
+LEAST_SHARE = 1e-12  # of a variance; what is left of it below that is rounding
 
 
 def prob_in_polygon(mean: Array, covariance: Array, vertices: Array) -> float:
@@ -60,3 +75,167 @@ def covariance_within(covariance: Array, bound: Array) -> bool:
     Both have shape (n, n) and the same frame.
     """
     return bool(np.linalg.eigvalsh(bound - covariance)[0] >= -1e-9 * np.trace(bound))
+
+
+# ---------------------------------------------------------------- several relations at once
+
+
+@dataclass(frozen=True, slots=True)
+class JointRelations:
+    """The truth of some relations as a function of independent uniform numbers.
+
+    Attributes:
+        asked: The relations.
+        factor: Shape (n, n), of the covariance of the coordinates of the poses that matter.
+        places: For each relation about places, by number, the means, shape (k, 2), and the derivatives, shape
+            (k, 2, n), of its vectors.
+        sizes: Half the free size of the support, shape (2,), for each relation of kind on, by number.
+        rests: P(it rests on a support) of the objects for which that is less than 1, by anchor.
+        weights: Quantiles of the weight, in ln(kg), of the objects that are weighed or compared, by anchor.
+    """
+
+    asked: tuple[Relation, ...]
+    factor: Matrix
+    places: Mapping[int, tuple[Array, Array]]
+    sizes: Mapping[int, Array]
+    rests: Mapping[str, float]
+    weights: Mapping[str, "Quantiles"]
+
+    @property
+    def dimension(self) -> int:
+        """The number of uniform numbers: one for each coordinate, each doubtful support, and each weight."""
+        return len(self.factor) + len(self.rests) + len(self.weights)
+
+    def truth(self, uniforms: Array) -> NDArray[np.bool_]:
+        """Return whether each relation holds, shape (m, relations), for numbers in (0, 1), shape (m, dimension)."""
+        n = len(self.factor)
+        poses = self.factor @ np.ascontiguousarray(ndtri(uniforms[:, :n]).T)
+        others = uniforms[:, n:].T
+        rests = {anchor: others[i] < p for i, (anchor, p) in enumerate(self.rests.items())}
+        log_kg = {anchor: found(others[len(rests) + i]) for i, (anchor, found) in enumerate(self.weights.items())}
+        stacked = [derivatives.reshape(-1, n) for _, derivatives in self.places.values()]
+        rows = iter(np.concatenate([np.zeros((0, n)), *stacked]) @ poses)
+        found = np.empty((len(uniforms), len(self.asked)), dtype=np.bool_, order="F")
+        for number, relation in enumerate(self.asked):
+            if number in self.places:
+                means, _ = self.places[number]
+                vectors = [(x + next(rows), y + next(rows)) for x, y in means.tolist()]
+                found[:, number] = self._placed(number, relation, vectors, rests)
+            else:
+                found[:, number] = _weighed(relation, log_kg)
+        return found
+
+    def _placed(
+        self,
+        number: int,
+        relation: Relation,
+        vectors: Sequence[tuple[Array, Array]],
+        rests: Mapping[str, NDArray[np.bool_]],
+    ) -> NDArray[np.bool_]:
+        if relation.kind == "on":
+            ((x, y),), (width, depth) = vectors, self.sizes[number]
+            inside = np.asarray((np.abs(x) <= width) & (np.abs(y) <= depth))
+            return inside & rests[relation.anchors[0]] if relation.anchors[0] in rests else inside
+        squares = [x * x + y * y for x, y in vectors]
+        return np.asarray(squares[0] <= relation.distance_m**2 if relation.kind == "near" else squares[0] < squares[1])
+
+
+@dataclass(frozen=True, slots=True)
+class Quantiles:
+    """A piecewise linear distribution.
+
+    Attributes:
+        values: Ends of the pieces, ascending, shape (n,).
+        below: Probability below each end, shape (n,).
+    """
+
+    values: Array
+    below: Array
+
+    def __call__(self, p: Array) -> Array:
+        """Return the quantiles at probabilities of any shape."""
+        return np.asarray(np.interp(p, self.below, self.values))
+
+
+def joint_relations(asked: Sequence[Relation], graph: PoseGraph, tracks: Tracks) -> JointRelations:
+    """Return the joint distribution of relations between known objects that exist.
+
+    Raises:
+        InternalError: If a relation has the wrong number of objects.
+    """
+    placed = [(i, one) for i, one in enumerate(asked) if one.kind not in ("heavier", "weighs")]
+    named = dict.fromkeys(anchor for _, one in placed for anchor in one.anchors)
+    joint = graph.joint((BASE, *named))
+    places = {i: _vectors(one, joint) for i, one in placed}
+    used = np.zeros(3 * len(joint.names), dtype=bool)
+    for _, derivatives in places.values():
+        used |= (derivatives != 0.0).any(axis=(0, 1))
+    kept = np.flatnonzero(used)
+    weighed = dict.fromkeys(anchor for one in asked if one.kind in ("heavier", "weighs") for anchor in one.anchors)
+    return JointRelations(
+        asked=tuple(asked),
+        factor=semidefinite_factor(joint.covariance[np.ix_(kept, kept)]),
+        places={i: (means, derivatives[:, :, kept]) for i, (means, derivatives) in places.items()},
+        sizes={i: _half_free(one, tracks) for i, one in placed if one.kind == "on"},
+        rests={
+            one.anchors[0]: tracks[one.anchors[0]].rests
+            for _, one in placed
+            if one.kind == "on" and tracks[one.anchors[0]].rests < 1.0
+        },
+        weights={anchor: Quantiles(*tracks[anchor].weight.cumulated()) for anchor in weighed},
+    )
+
+
+def _vectors(relation: Relation, joint: Joint) -> tuple[Array, Array]:
+    """Return means, (k, 2), and derivatives, (k, 2, 3 names), of the vectors that decide a relation."""
+    if relation.kind == "on":
+        below, above = (joint.names.index(anchor) for anchor in reversed(relation.anchors))
+        below_T_above = between(joint.world_T_body[below], joint.world_T_body[above])
+        turned = adjoint((0.0, 0.0, below_T_above[2]))[:2] @ relative_jacobian(below_T_above)
+        return np.array([below_T_above[:2]]), _spread(turned, (below, above), joint)[None]
+    one, other, *to = relation.anchors
+    found = [_offset(other, one, joint)] if not to else [_offset(to[0], one, joint), _offset(to[0], other, joint)]
+    return np.array([mean for mean, _ in found]), np.array([derivative for _, derivative in found])
+
+
+def _offset(a: str, b: str, joint: Joint) -> tuple[Array, Array]:
+    """Return mean, (2,), and derivative, (2, 3 names), of the vector from the place of a to that of b."""
+    at = (0, joint.names.index(a), joint.names.index(b))
+    mean, derivative = apart(*(joint.world_T_body[i] for i in at))
+    return mean, _spread(derivative, at, joint)
+
+
+def _spread(derivative: Matrix, at: Sequence[int], joint: Joint) -> Array:
+    """Return a derivative by the tangents of some poses, (2, 3 k), as one by those of all, (2, 3 names)."""
+    whole = np.zeros((2, 3 * len(joint.names)))
+    for column, index in enumerate(at):
+        whole[:, 3 * index : 3 * index + 3] += derivative[:, 3 * column : 3 * column + 3]
+    return whole
+
+
+def _half_free(relation: Relation, tracks: Tracks) -> Array:
+    """Return half the size of the part of a top, shape (2,), on which the middle of an object may be."""
+    above, below = relation.anchors
+    return np.array(tracks.kind(below).size_m[:2]) / 2.0 - outline_radius(tracks.kind(above))
+
+
+def _weighed(relation: Relation, log_kg: Mapping[str, Array]) -> NDArray[np.bool_]:
+    if relation.kind == "heavier":
+        one, other = relation.anchors
+        return np.asarray(log_kg[one] > log_kg[other])
+    if relation.meaning is None:
+        raise InternalError(f"{relation} names no weight")
+    low, high = log_span(relation.meaning)
+    (anchor,) = relation.anchors
+    return np.asarray((log_kg[anchor] >= low) & (log_kg[anchor] < high))
+
+
+def semidefinite_factor(covariance: Matrix) -> Matrix:
+    """Return the lower triangular L with L L' = C for a covariance C that may be singular, shape (n, n)."""
+    factor = np.zeros_like(covariance)
+    for j in range(len(covariance)):
+        left = covariance[j, j] - factor[j, :j] @ factor[j, :j]
+        if left > LEAST_SHARE * covariance[j, j]:
+            factor[j, j] = np.sqrt(left)
+            factor[j + 1 :, j] = (covariance[j + 1 :, j] - factor[j + 1 :, :j] @ factor[j, :j]) / factor[j, j]
+    return factor
