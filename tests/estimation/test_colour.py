@@ -1,4 +1,5 @@
 import colorsys
+from functools import cache
 
 import numpy as np
 import pytest
@@ -105,21 +106,30 @@ def inside(volume: HsvVolume, hsv: Array) -> NDArray[np.bool_]:
     return np.array([volume.contains((h, s, v)) for h, s, v in hsv.tolist()])
 
 
+WIDE = ColourBelief((0.5, 0.6, 0.6), (0.25, 0.09, 0.09), ColourSensor(gain=0.8, sd_rgb=0.08))
+
+
+@cache
+def sampled() -> tuple[Array, tuple[tuple[HsvVolume, NDArray[np.bool_]], ...]]:
+    """Return colours drawn from a wide belief, and which of them lie in each of three volumes."""
+    colours = drawn(WIDE, 200_000, 4)
+    volumes = (RED, GREEN, ANY.model_copy(update={"saturation": (0.0, 0.25)}))
+    return colours, tuple((volume, inside(volume, colours)) for volume in volumes)
+
+
 @pytest.mark.parametrize("rgb", [(0.1, 0.6, 0.2), (0.3, 0.32, 0.28), (0.05, 0.03, 0.06), (0.7, 0.6, 0.72)])
 @pytest.mark.parametrize("looks", [1, 4])
 def test_belief_after_looks_is_that_of_bayes_rule_over_sampled_colours(rgb: tuple[float, ...], looks: int) -> None:
-    sensor = ColourSensor(gain=0.8, sd_rgb=0.08)
-    prior = ColourBelief((0.5, 0.6, 0.6), (0.25, 0.09, 0.09), sensor)
-    colours = drawn(prior, 200_000, 4)
+    colours, volumes = sampled()
     errors = Generator(PCG64(SeedSequence([5]))).normal(size=(looks, 3)) * 0.02
-    seen, log_weight = prior, np.zeros(len(colours))
+    seen, log_weight = WIDE, np.zeros(len(colours))
     for z in (np.array(rgb) + errors).tolist():
         seen = seen.updated((max(z[0], 1e-3), max(z[1], 1e-3), max(z[2], 1e-3)))
         log_weight -= 0.5 * ((0.8 * rgb_of(colours) - np.maximum(z, 1e-3)) ** 2).sum(axis=1) / 0.08**2
     weight = np.exp(log_weight - log_weight.max())
     weight /= weight.sum()
-    for volume in (RED, GREEN, ANY.model_copy(update={"saturation": (0.0, 0.25)})):
-        assert seen.prob(volume) == pytest.approx(weight @ inside(volume, colours), abs=0.02)
+    for volume, within in volumes:
+        assert seen.prob(volume) == pytest.approx(weight @ within, abs=0.02)
     assert seen.matched()[0][1:] == pytest.approx(weight @ colours[:, 1:], abs=0.01)
 
 
