@@ -48,6 +48,8 @@ def distance(a: Footprint, b: Footprint) -> float:
 
 def overlaps(a: Footprint, b: Footprint) -> bool:
     """Return whether two footprints overlap by more than a millimetre; so tables may stand side by side."""
+    if math.dist(a.world_T_centre[:2], b.world_T_centre[:2]) > _reach(a) + _reach(b):
+        return False  # most pairs are far apart
     if a.radius_m > TOUCHING_M:
         a = replace(a, radius_m=a.radius_m - TOUCHING_M)
     else:
@@ -70,6 +72,11 @@ def overhang(inner: Footprint, outer: Footprint) -> float:
         u, v, _ = compose2(outer_T_world, (x, y, 0.0))
         beyond = max(beyond, abs(u) + inner.radius_m - outer.half_m[0], abs(v) + inner.radius_m - outer.half_m[1])
     return beyond
+
+
+def _reach(footprint: Footprint) -> float:
+    """Return the radius of the circle around a footprint, metres."""
+    return math.hypot(*footprint.half_m) + footprint.radius_m
 
 
 def _within(footprint: Footprint, corner: Corner) -> bool:
