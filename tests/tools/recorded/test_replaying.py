@@ -336,7 +336,7 @@ def test_decisions_are_the_same_on_another_machine(machine: dict[str, str]) -> N
     paths = [str(recorded(name)) for name in ("sim1_green", "sim3_unknown", "occluded", "illustrative")]
     paths += map(str, sorted(GOLDEN.glob("*.mcap")))
     done = subprocess.run(
-        [sys.executable, "-c", COMMAND, "replay", "--json", *paths],
+        [sys.executable, "-c", COMMAND, "replay", "--json", "--workers", "1", *paths],
         env=os.environ | machine,
         capture_output=True,
         text=True,
