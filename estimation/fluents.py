@@ -23,6 +23,7 @@ from skolem.traces.messages import Relation
 Array = NDArray[np.float64]
 LEAST_SD = 1e-9  # metres; a narrower Gaussian is widened to this before it is whitened
 TINY = 1e-300  # divisor instead of zero
+SURE_SDS = 6.5  # a Gaussian vector of the plane is longer than that many of its sds with a chance of less than 1e-9
 LEAST_SHARE = 1e-12  # of a variance; what is left of it below that is rounding
 
 
@@ -86,17 +87,19 @@ class JointRelations:
 
     Attributes:
         asked: The relations.
-        factor: Shape (n, n), of the covariance of the coordinates of the poses that matter.
-        places: For each relation about places, by number, the means, shape (k, 2), and the derivatives, shape
-            (k, 2, n), of its vectors.
+        coordinates: The number n of standard normal numbers that give the poses that matter.
+        places: For each relation about places, by number, the means, shape (k, 2), of its vectors and their derivatives
+            by those numbers, shape (k, 2, n).
+        never: The relations that cannot hold, since a hand holds one of the objects, by number.
         sizes: Half the free size of the support, shape (2,), for each relation of kind on, by number.
         rests: P(it rests on a support) of the objects for which that is less than 1, by anchor.
         weights: Quantiles of the weight, in ln(kg), of the objects that are weighed or compared, by anchor.
     """
 
     asked: tuple[Relation, ...]
-    factor: Matrix
+    coordinates: int
     places: Mapping[int, tuple[Array, Array]]
+    never: frozenset[int]
     sizes: Mapping[int, Array]
     rests: Mapping[str, float]
     weights: Mapping[str, "Quantiles"]
@@ -104,25 +107,43 @@ class JointRelations:
     @property
     def dimension(self) -> int:
         """The number of uniform numbers: one for each coordinate, each doubtful support, and each weight."""
-        return len(self.factor) + len(self.rests) + len(self.weights)
+        return self.coordinates + len(self.rests) + len(self.weights)
 
     def truth(self, uniforms: Array) -> NDArray[np.bool_]:
         """Return whether each relation holds, shape (m, relations), for numbers in (0, 1), shape (m, dimension)."""
-        n = len(self.factor)
-        poses = self.factor @ np.ascontiguousarray(ndtri(uniforms[:, :n]).T)
+        n = self.coordinates
+        normals = np.ascontiguousarray(ndtri(uniforms[:, :n]).T)
         others = uniforms[:, n:].T
         rests = {anchor: others[i] < p for i, (anchor, p) in enumerate(self.rests.items())}
         log_kg = {anchor: found(others[len(rests) + i]) for i, (anchor, found) in enumerate(self.weights.items())}
         stacked = [derivatives.reshape(-1, n) for _, derivatives in self.places.values()]
-        rows = iter(np.concatenate([np.zeros((0, n)), *stacked]) @ poses)
+        whole = np.concatenate([np.zeros((0, n)), *stacked])
+        rows = iter(np.einsum("ij,jk->ik", whole, normals))  # the same for any number of threads
         found = np.empty((len(uniforms), len(self.asked)), dtype=np.bool_, order="F")
         for number, relation in enumerate(self.asked):
-            if number in self.places:
+            if number in self.never:
+                found[:, number] = False
+            elif number in self.places:
                 means, _ = self.places[number]
                 vectors = [(x + next(rows), y + next(rows)) for x, y in means.tolist()]
                 found[:, number] = self._placed(number, relation, vectors, rests)
             else:
                 found[:, number] = _weighed(relation, log_kg)
+        return found
+
+    def settled(self) -> NDArray[np.int8]:
+        """Return for each relation 1 if it holds, -1 if it does not, 0 if that is not known, shape (relations,).
+
+        It is a quick look, wrong with a chance of at most 1e-9, and about pairs of near objects only.
+        """
+        found = np.zeros(len(self.asked), dtype=np.int8)
+        for number, relation in enumerate(self.asked):
+            if number in self.never:
+                found[number] = -1
+            elif relation.kind == "near":
+                (mean,), (derivative,) = self.places[number]
+                away, sd = math.hypot(*mean), SURE_SDS * math.sqrt((derivative**2).sum())
+                found[number] = -1 if away - sd > relation.distance_m else int(away + sd < relation.distance_m)
         return found
 
     def _placed(
@@ -171,11 +192,13 @@ def joint_relations(asked: Sequence[Relation], graph: PoseGraph, tracks: Tracks)
     for _, derivatives in places.values():
         used |= (derivatives != 0.0).any(axis=(0, 1))
     kept = np.flatnonzero(used)
+    factor = semidefinite_factor(joint.covariance[np.ix_(kept, kept)])
     weighed = dict.fromkeys(anchor for one in asked if one.kind in ("heavier", "weighs") for anchor in one.anchors)
     return JointRelations(
         asked=tuple(asked),
-        factor=semidefinite_factor(joint.covariance[np.ix_(kept, kept)]),
-        places={i: (means, derivatives[:, :, kept]) for i, (means, derivatives) in places.items()},
+        coordinates=len(kept),
+        places={i: (means, derivatives[:, :, kept] @ factor) for i, (means, derivatives) in places.items()},
+        never=frozenset(i for i, one in placed if one.kind == "near" and any(tracks[a].hand for a in one.anchors)),
         sizes={i: _half_free(one, tracks) for i, one in placed if one.kind == "on"},
         rests={
             one.anchors[0]: tracks[one.anchors[0]].rests

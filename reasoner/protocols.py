@@ -83,6 +83,13 @@ class RelationModel(Protocol):
         """The number of uniform numbers."""
         ...
 
+    def settled(self) -> NDArray[np.int8]:
+        """1 for a relation that surely holds, -1 for one that surely does not, 0 for any other, shape (relations,).
+
+        Sure is what fails with a chance of 1e-9 at most.
+        """
+        ...
+
     def truth(self, uniforms: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether each relation holds, shape (n, relations), for numbers in (0, 1), shape (n, dimension)."""
         ...

@@ -18,7 +18,7 @@ from skolem.reasoner.worlds.diagrams import FALSE, TRUE, Diagram, Lit, Many, Num
 
 Array = NDArray[np.float64]
 Value = float | Array  # one number, or one for each arrangement, shape (n,)
-MOST_CASES: Final = 20_000  # conditioned cases before a formula counts as too large
+MOST_CASES: Final = 100_000  # formulas that are conditioned, each once for each case, before all are too large
 
 
 class TooManyCasesError(Exception):
@@ -99,7 +99,7 @@ class Counting:
     def _cases(self, whole: int, group: Sequence[int]) -> list[tuple[float, int, int]]:
         """Return weight, variable and values of each case of the variable that most formulas of a group share."""
         variable = self._most_frequent(group)
-        blocks = self._blocks(variable, self._diagram.masks(whole, variable))
+        blocks = self._blocks(variable, self._diagram.masks(whole, variable), len(group))
         return [(self._weight(variable, block), variable, block) for block in blocks]
 
     def _most_frequent(self, items: Iterable[int]) -> int:
@@ -134,7 +134,7 @@ class Counting:
             found: list[Value] = [0.0] * (cap + 1)
             variable = self._most_frequent(group)
             masks = {mask for item in group for mask in self._diagram.masks(item, variable)}
-            for block in self._blocks(variable, masks):
+            for block in self._blocks(variable, masks, len(group)):
                 done: dict[int, int] = {}
                 rest = [self._diagram.given(item, variable, block, done) for item in group]
                 weight = self._weight(variable, block)
@@ -143,11 +143,12 @@ class Counting:
             self._numbers[group, cap] = found
         return self._numbers[group, cap]
 
-    def _blocks(self, variable: int, masks: Iterable[int]) -> list[int]:
+    def _blocks(self, variable: int, masks: Iterable[int], size: int) -> list[int]:
+        """Return the cases of a variable that some literals of it distinguish, for as many formulas as `size` says."""
         found = [self._diagram.possible(variable)]
         for mask in sorted(masks):
             found = [part for block in found for part in (block & mask, block & ~mask) if part]
-        self._left -= len(found)
+        self._left -= len(found) * size
         if self._left < 0:
             raise TooManyCasesError
         return found

@@ -243,7 +243,7 @@ class _Values:
 
     def _with_relations(self, low: int, high: int, reason: str | None, at_least: float | None) -> Interval:
         used = sorted({*self._relations(low), *self._relations(high)})
-        if len(used) == 1 and (p := self._universe.chances[used[0]]) is not None:
+        if len(used) == 1 and (p := self._universe.chance(used[0])) is not None:
             rows = np.zeros((2, len(self._universe.uncertain)), dtype=np.bool_)
             rows[0, used[0]] = True
             counting = Counting(self._universe.diagram, rows)

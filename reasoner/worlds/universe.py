@@ -7,6 +7,7 @@ but their number is uncertain; so one of them speaks for all.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 from math import exp
 from typing import Final, Literal
 
@@ -47,7 +48,6 @@ class Universe:
         cells: The cells of the words in question.
         names: The anchors, by number.
         uncertain: The relations that are neither sure nor impossible, by number.
-        chances: P(each of them holds); None if the belief gives no number for it.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Universe:
         self.diagram, self.cells = Diagram(), Cells.of(meanings)
         self.names = belief.anchors()
         self.uncertain: list[Relation] = []
-        self.chances: list[float | None] = []
+        self._settled: dict[float, dict[tuple[str, ...], int]] = {}  # by distance: which pairs are surely near, or not
         self._belief, self.vocabulary, self.meanings = belief, vocabulary, meanings
         self._joint = belief if isinstance(belief, WorldBeliefs) else None
         self.compared = compared and self._joint is not None
@@ -91,6 +91,7 @@ class Universe:
         self._most = most
         if strangers and most and self._joint is not None:
             self.regions = self._joint.strangers()
+        if self.regions and self._joint is not None:
             self._add_strangers(self._joint, most)
 
     def _add_strangers(self, belief: WorldBeliefs, most: int) -> None:
@@ -226,18 +227,33 @@ class Universe:
         return self._relations[key]
 
     def _related(self, asked: "_Asked") -> int:
-        p = self._prob(asked)
+        kind, anchors, distance_m, meaning = asked
+        together = kind == "near" and self._joint is not None
+        p = self._settled_chance(anchors, distance_m) if together else self._prob(asked)
         if p is not None and p <= SURE:
             return FALSE
         if p is not None and p >= 1.0 - SURE:
             return TRUE
-        kind, anchors, distance_m, meaning = asked
         self.uncertain.append(Relation(kind=kind, anchors=anchors, distance_m=distance_m, meaning=meaning))
-        self.chances.append(p)
         if self._joint is not None:
             return self.diagram.relation(len(self.uncertain) - 1)
         assert p is not None
         return self.diagram.literal(self.diagram.variable((1.0 - p, p)), 0b10)
+
+    def _settled_chance(self, anchors: tuple[str, ...], distance_m: float) -> float | None:
+        """Return 0 or 1 if it is sure whether two anchors are near; all pairs are looked at together."""
+        if distance_m not in self._settled:
+            assert self._joint is not None
+            pairs = list(combinations(self.names, 2))
+            asked = [Relation(kind="near", anchors=pair, distance_m=distance_m) for pair in pairs]
+            found = self._joint.relations(asked).settled().tolist()
+            self._settled[distance_m] = dict(zip(pairs, found, strict=True))
+        return {1: 1.0, -1: 0.0}.get(self._settled[distance_m][anchors])
+
+    def chance(self, number: int) -> float | None:
+        """Return P(an uncertain relation holds); None if the belief gives no number for it."""
+        one = self.uncertain[number]
+        return self._prob((one.kind, one.anchors, one.distance_m, one.meaning))
 
     def _prob(self, asked: "_Asked") -> float | None:
         match asked:

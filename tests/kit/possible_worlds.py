@@ -209,6 +209,11 @@ class Picked:
         rows = [[self._holds(relation, a) for relation in self.asked] for a in self.arrangements]
         return np.array(rows, dtype=np.bool_).reshape(len(rows), len(self.asked))[picked]
 
+    def settled(self) -> NDArray[np.int8]:
+        rows = [[self._holds(relation, a) for relation in self.asked] for a in self.arrangements]
+        truth = np.array(rows, dtype=np.bool_).reshape(len(rows), len(self.asked))
+        return np.where(truth.all(axis=0), 1, np.where(truth.any(axis=0), 0, -1)).astype(np.int8)
+
     def _holds(self, relation: Relation, arrangement: Arrangement) -> bool:
         one, other = relation.anchors
         if relation.kind == "on":
