@@ -27,6 +27,7 @@ from skolem.traces.messages import (
     Place,
     Quantity,
     TypeIs,
+    TypeIsNot,
     Weigh,
 )
 
@@ -97,6 +98,8 @@ class Imagined(PlainBelief):
                 return 0.0 if thing.table else 1.0 - thing.can
             case TypeIs():
                 return 0.0
+            case TypeIsNot(type=kind):
+                return 1.0 - self.prob_property(anchor, TypeIs(type=kind))
             case HsvUnion(boxes=boxes):
                 return max(self.prob_property(anchor, box) for box in boxes)
             case HsvVolume(hue=(low, high)):

@@ -60,7 +60,7 @@ class Steps:
             share = 0.8 if k < about else 0.0
             self._believed.tell(name, can=share, green=share)
         self._goal = parse_goal(GOAL, rulebook.vocabulary.words(), self._believed.anchors())
-        self._denotations = Denotations(self._goal.expressions, rulebook)
+        self._denotations = Denotations(self._goal, rulebook)
         self._mutexes = read_mutexes(rulebook)
         self._situation = self._posed().situation
         self.queries = Queries(self._situation, self._denotations.alternatives)

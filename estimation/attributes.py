@@ -6,6 +6,7 @@ a property to at least p, given that the object has the property.
 """
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from skolem.traces.messages.likeliest import likeliest
@@ -72,13 +73,22 @@ class TypeBelief:
         """Return the most probable type, the first by name among equals."""
         return likeliest(self.probabilities)
 
-    def prob_favourable(self, kind: str, p: float) -> float:
-        """Return P(one look raises the belief in `kind` to at least `p` | the object is of that type)."""
-        return sum(
-            self.likelihood(kind, reported)
-            for reported in self.readings
-            if self.updated({reported: 0.0}).prob(kind) >= p - ROUNDING
-        )
+    def prob_favourable(self, kind: str, p: float, other: bool = False) -> float:
+        """Return P(one look raises the belief in `kind` to at least `p` | the object is of that type).
+
+        With `other`, the belief and the condition are that the object is of another type than `kind`.
+        """
+        rest = {t: q for t, q in self.probabilities.items() if t != kind}
+        if not other:
+            return self._reached({kind: 1.0}, lambda after: after.prob(kind) >= p - ROUNDING)
+        total = sum(rest.values())
+        likely = {t: q / total for t, q in rest.items()} if total > 0.0 else {}
+        return self._reached(likely, lambda after: 1.0 - after.prob(kind) >= p - ROUNDING)
+
+    def _reached(self, true: Mapping[str, float], enough: "Callable[[TypeBelief], bool]") -> float:
+        """Return P(the belief after one look is enough), for a distribution of the true type."""
+        good = [reported for reported in self.readings if enough(self.updated({reported: 0.0}))]
+        return sum(q * self.likelihood(t, reported) for reported in good for t, q in true.items())
 
     def _times(self, likelihood: dict[str, float]) -> "TypeBelief":
         joint = {t: p * likelihood[t] for t, p in self.probabilities.items()}

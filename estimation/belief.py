@@ -52,6 +52,7 @@ from skolem.traces.messages import (
     Pose4,
     Quantity,
     TypeIs,
+    TypeIsNot,
 )
 from skolem.traces.messages.poses import raised
 
@@ -319,8 +320,8 @@ class Belief:
     def prob_favourable(self, anchor: str, meaning: Meaning, p: float) -> float:
         """P(one observation raises the belief in the property to at least `p` | the object has the property)."""
         track = self._tracks[anchor]
-        if isinstance(meaning, TypeIs):
-            return track.types.prob_favourable(meaning.type, p)
+        if isinstance(meaning, TypeIs | TypeIsNot):
+            return track.types.prob_favourable(meaning.type, p, other=isinstance(meaning, TypeIsNot))
         if isinstance(meaning, ColourMeaning):
             return _colour_favourable(track.colour, meaning, p)
         return _weight_favourable(track.weight, meaning, p)
@@ -391,6 +392,8 @@ def _prob(track: Track, meaning: Meaning) -> float:
     """Return P(the object has the property), given that it exists."""
     if isinstance(meaning, TypeIs):
         return track.types.prob(meaning.type)
+    if isinstance(meaning, TypeIsNot):
+        return 1.0 - track.types.prob(meaning.type)
     if isinstance(meaning, ColourMeaning):
         return _colour_prob(track.colour, meaning)
     return _weight_prob(track.weight, meaning)

@@ -13,10 +13,12 @@ from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.planning.attempts import Attempts
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import Closest, PosedGoal, read_mutexes
-from skolem.reasoner.planning.hierarchy import Change, PlanStack, plan_step
+from skolem.reasoner.planning.hierarchy import Change, PlanStack
 from skolem.reasoner.planning.instances import Instance, title
+from skolem.reasoner.planning.presuppositions import nothing, several
 from skolem.reasoner.planning.refusals import IMPOSSIBLE, IN_VAIN, NOT_FOUND, SPENT, UNLIKELY, Refusals, weakest
 from skolem.reasoner.planning.regression import Found, Step, Subgoal, regress
+from skolem.reasoner.planning.remembering import recalled, remembered
 from skolem.reasoner.protocols import BeliefQueries, Geometry
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, nll, parse_term
@@ -30,14 +32,11 @@ from skolem.traces.messages import (
     Memory,
     Plan,
     PlanCause,
-    RememberedStep,
     RunEnd,
     RunStatus,
 )
 
 MOST_EFFORT: Final = 4  # limits of searches are doubled so far before a run is given up for one of them
-_PRICE = "recalled"  # the single reason that stands for the costs of a recalled step
-_DEMANDED = "recalled"  # the single precondition that stands for those of a recalled step
 
 
 @dataclass(slots=True)
@@ -77,7 +76,7 @@ class Agent:
         self._limits = limits
         self._stack = PlanStack()
         with rulebook.answerable():
-            self.denotations = Denotations(goal.expressions, rulebook)
+            self.denotations = Denotations(goal, rulebook)
             self._mutexes = read_mutexes(rulebook)
         self._refused = Refusals()
         self._stopped = 0  # expansions of the longest search in this belief that ended at its limit
@@ -105,6 +104,8 @@ class Agent:
         turn = Turn(closest=self.posed.closest(), denotation=self._denotation(step))
         if self.posed.achieved() is not None:
             self._finish(turn, step, "goal_achieved", "every conjunct of the goal is believed")
+        elif failed := several(self._goal, self.denotations, self._belief):
+            self._finish(turn, step, *failed)
         elif step >= self._limits.steps:
             self._finish(turn, step, "limit_reached", f"{step} actions were executed (limits.steps)")
         else:
@@ -122,9 +123,9 @@ class Agent:
         layers, current = self._stack.steps()
         return Memory(
             step=step,
-            layers=tuple(tuple(map(_remembered, layer)) for layer in layers),
+            layers=tuple(tuple(map(remembered, layer)) for layer in layers),
             current=current,
-            executed=None if self._executed is None else _remembered(self._executed),
+            executed=None if self._executed is None else remembered(self._executed),
             failures=self._attempts.failures(),
             in_vain=self._attempts.in_vain(),
             nearest=self._attempts.nearest(),
@@ -133,8 +134,8 @@ class Agent:
 
     def recall(self, memory: Memory) -> None:
         """Take over what was remembered at a recorded decision, as `memory` returned it."""
-        self._stack = PlanStack([[_recalled(step) for step in layer] for layer in memory.layers], memory.current)
-        self._executed = None if memory.executed is None else _recalled(memory.executed)
+        self._stack = PlanStack([[recalled(step) for step in layer] for layer in memory.layers], memory.current)
+        self._executed = None if memory.executed is None else recalled(memory.executed)
         self._attempts.recall(memory.failures, memory.in_vain, memory.nearest)
         self._objections = {parse_term(impossible): why for impossible, why in memory.objections.items()}
         self._begin_anew()
@@ -266,6 +267,10 @@ class Agent:
             lacking, self._objections[current.instance.step] = objection
             self._refuse(turn, step, current, IMPOSSIBLE, lacking)
             return
+        if executes is None and (new := self._needed_since(current)):
+            self._stack.pop()
+            turn.plans.append(self._stack.message(step, Change("preimage_lost", new)))
+            return
         command = None if executes is None else self._command(executes)
         if self._attempts.is_hopeless(executes):
             self._refuse(turn, step, current, IN_VAIN)
@@ -280,6 +285,15 @@ class Agent:
                 args=_objects(current.instance.executes),
                 command=command,
             )
+
+    def _needed_since(self, current: Step) -> tuple[Term, ...]:
+        """Return what an inference needs now, but did not when it was planned: an object may have been found since."""
+        believed = [f for f in current.subgoal if isinstance(f, Compound) and f.name == "b"]
+        false = [f for f in sorted(believed, key=str) if not self.posed.situation.holds(f)]
+        offered = (instance for fluent in false for instance in self.posed.offers.offers(fluent))
+        same = next((i for i in offered if i.step == current.instance.step), None)
+        needed = same.demanded(current.level) if same else []
+        return tuple(fluent for fluent in needed if not self.posed.situation.holds(fluent))
 
     def _refused_for(self, met: set[str]) -> Callable[[Instance, int], bool]:
         """Return a test of whether a step is not to be planned with at a level in this belief; it adds why to `met`."""
@@ -336,7 +350,8 @@ class Agent:
         if self._too_deep:
             depth = self._effort * self._limits.hierarchy_depth
             reason += f"; stopped {depth} plans deep ({self._effort} times limits.hierarchy_depth)"
-        self._finish(turn, step, "goal_unachievable", reason)
+        failed = nothing(self._goal, self.denotations, self._belief)
+        self._finish(turn, step, *(failed or ("goal_unachievable", reason)))
 
     def _finish(self, turn: Turn, step: int, status: RunStatus, reason: str) -> None:
         done = status == "goal_achieved"
@@ -368,30 +383,3 @@ def _why_none(found: Found, met: Iterable[str]) -> str:
     if not found.exhausted:
         return NOT_FOUND
     return weakest([*met, UNLIKELY] if found.priced_out else met)
-
-
-def _remembered(step: Step) -> RememberedStep:
-    """Return the message of a step of the stack."""
-    instance = step.instance
-    return RememberedStep(
-        **dict(plan_step(step)),
-        instance=str(instance.step),
-        called=str(instance.operation),
-        executes=None if instance.executes is None else str(instance.executes),
-    )
-
-
-def _recalled(step: RememberedStep) -> Step:
-    """Return the step of a message; it has the price and the concrete level, but not the single costs and fluents."""
-    instance = Instance(
-        step=parse_term(step.instance),
-        operation=parse_term(step.called),
-        costs=frozenset({(_PRICE, step.cost)}),
-        preconditions=frozenset({(_DEMANDED, step.concrete)}),
-        executes=None if step.executes is None else parse_term(step.executes),
-    )
-    return Step(instance, step.level, _conjunction(step.subgoal), _conjunction(step.preimage))
-
-
-def _conjunction(fluents: tuple[str, ...]) -> frozenset[Term]:
-    return frozenset(map(parse_term, fluents))

@@ -9,8 +9,8 @@ Every value prints as text that `parser` reads back as an equal value.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import groupby
+from functools import cached_property, reduce
+from itertools import combinations, groupby
 from typing import Final, Literal
 
 from skolem.reasoner.language.descriptions import (
@@ -27,6 +27,7 @@ from skolem.reasoner.language.descriptions import (
     object_term,
 )
 from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
+from skolem.traces.messages import Evaluation
 
 QUANTITIES: Final[dict[str, "QuantityName"]] = {
     "Color": "colour",
@@ -148,11 +149,14 @@ class Goal:
         variables: All variables, in order of appearance.
         conjuncts: What is believed.
         distinct: Groups of variables that mean different objects; each stands side by side in `variables`.
+        evaluation: What a probability is: `worlds`, the share of the possible worlds in which the belief is true; or
+            `independent`, the paper's product of the probabilities of its parts.
     """
 
     variables: tuple[str, ...]
     conjuncts: tuple[Conjunct, ...]
     distinct: tuple[tuple[str, ...], ...] = ()
+    evaluation: Evaluation = "worlds"
 
     def __str__(self) -> str:
         group_of = {name: group for group in self.distinct for name in group}
@@ -179,7 +183,12 @@ class Goal:
         """The conjuncts as fluents, each once, sorted by text."""
         constants: dict[Lambda | Sentence, str] = {value: name for name, value in self.expressions.items()}
         constants |= {value: name for name, value in self.sentences.items()}
-        return tuple(sorted({_fluent(conjunct, constants) for conjunct in self.conjuncts}, key=str))
+        differ = {
+            compound("differ", *(compound("var", name) for name in pair))
+            for group in self.distinct
+            for pair in combinations(group, 2)
+        }
+        return tuple(sorted({*(_fluent(conjunct, constants) for conjunct in self.conjuncts), *differ}, key=str))
 
     def _phis(self) -> Iterator[Den | Holds | Atom | Sentence]:
         for conjunct in self.conjuncts:
@@ -205,7 +214,8 @@ def _fluent(conjunct: Conjunct, constants: Mapping[Lambda | Sentence, str]) -> T
 def _believed_term(phi: Phi, constants: Mapping[Lambda | Sentence, str]) -> Term:
     match phi:
         case Together(parts):
-            return Compound("together", tuple(_believed_term(part, constants) for part in parts))
+            first, *others = (_believed_term(part, constants) for part in reversed(parts))
+            return reduce(lambda rest, part: compound("together", part, rest), others, first)
         case Sentence():
             return compound("holds_of_the_world", constants[phi])
         case Den(description, argument):

@@ -1,6 +1,6 @@
 """What holds, what is offered, and what to do next.
 
-May import: protocols, language, rulebook, worlds.
+May import: protocols, language, rulebook, worlds, meaning.
 """
 
 __all__ = ()

@@ -1,100 +1,129 @@
-"""The descriptions of a goal: P(Den) of every object, and the properties that make each description true."""
+"""The descriptions and sentences of a goal: how probable it is that an object is meant, or that a sentence is true.
 
-from collections.abc import Iterable, Mapping
-from itertools import product
+What a probability is, the goal says: the share of the possible worlds of the belief, or the paper's product.
+"""
+
+from collections.abc import Mapping
 from typing import Final
 
-from skolem.reasoner.language.descriptions import Lambda
+from skolem.reasoner.language.descriptions import Count, Exists, Lambda, Not
+from skolem.reasoner.language.expressions import Goal, Sentence
+from skolem.reasoner.meaning.literals import Alternatives
+from skolem.reasoner.meaning.universe import Universe
 from skolem.reasoner.planning.denotation import STRANGER, WithStranger, evaluate, evaluate_at
 from skolem.reasoner.protocols import GroundBeliefs, OpenBeliefs
 from skolem.reasoner.rulebook.book import Rulebook
-from skolem.reasoner.rulebook.vocabulary import comparison
-from skolem.reasoner.worlds.circuits import (
-    Circuit,
-    Either,
-    EitherOver,
-    Leaf,
-    Node,
-    Product,
-    compared_in,
-    compile_description,
-)
+from skolem.reasoner.terms import Compound, Term
+from skolem.reasoner.worlds.circuits import Circuit, compile_description, compile_sentence
+from skolem.reasoner.worlds.evaluator import Evaluator, Interval
 from skolem.traces.messages import Meaning
 
-MOST_ALTERNATIVES: Final = 32  # sets of properties kept per description, smallest first
+_NO: Final = Interval(0.0, 0.0)
 
 
 class Denotations:
-    """The descriptions of a goal, evaluated once per version of the belief.
+    """The descriptions and sentences of a goal, evaluated once per version of the belief.
 
     Attributes:
-        circuits: The circuit of each description, by its constant.
-        meanings: The meaning of each property by name: those of the words, and the comparisons with numbers.
-        alternatives: The result of `alternatives` for each description, by its constant.
+        universe: The descriptions that the goal leads to.
+        circuits: The circuit of each description and sentence, by its constant.
+        meanings: The meaning of each property by name: those of the words, the comparisons with numbers, and the
+            complements of which the goal speaks.
+        alternatives: The minimal sets of properties that make each description true, by its constant.
     """
 
-    def __init__(self, expressions: Mapping[str, Lambda], rulebook: Rulebook) -> None:
-        self.circuits = {name: compile_description(found, rulebook) for name, found in expressions.items()}
-        self.alternatives = {name: alternatives(circuit) for name, circuit in self.circuits.items()}
+    def __init__(self, goal: Goal, rulebook: Rulebook) -> None:
         self._vocabulary = rulebook.vocabulary
-        compared = {name: found for circuit in self.circuits.values() for name, found in circuit.compared.items()}
-        own = {name: self._vocabulary.exceeding(*found) for name, found in sorted(compared.items())}
-        self.meanings: Mapping[str, Meaning] = {**self._vocabulary.meanings, **own}
+        self._by_worlds, self._key = goal.evaluation == "worlds", str(goal)
+        self.universe = Universe.of(goal.expressions, goal.sentences, self._vocabulary)
+        self.circuits: dict[str, Circuit] = {
+            name: compile_description(found, rulebook) for name, found in self.universe.descriptions.items()
+        }
+        sentences = dict(goal.sentences) | _numbers(goal.expressions)
+        self.circuits |= {name: compile_sentence(sentence, rulebook) for name, sentence in sentences.items()}
+        self._worlds = Evaluator(self.circuits, self._vocabulary, self._key)
+        self._constants = {description: name for name, description in goal.expressions.items()}
+        self.meanings: Mapping[str, Meaning] = self.universe.meanings
+        self.alternatives: Mapping[str, Alternatives] = self.universe.true
         self._version: int | None = None
-        self._tables: dict[str, dict[str, float]] = {}
+        self._products: dict[str, dict[str, float]] = {}
+
+    @property
+    def words(self) -> Mapping[str, Meaning]:
+        """The meanings of the words that the rules give."""
+        return self._vocabulary.meanings
+
+    # ------------------------------------------------------------ probabilities
 
     def probabilities(self, expression: str, belief: GroundBeliefs) -> Mapping[str, float]:
-        """Return P(Den) for every anchor."""
+        """Return P(Den) for every anchor; the least that it can be where it is not known exactly."""
+        if self._by_worlds:
+            return {anchor: found.low for anchor, found in self._worlds.table(expression, belief).items()}
         if belief.version != self._version:
-            self._version, self._tables = belief.version, {}
-        if expression not in self._tables:
-            self._tables[expression] = evaluate(self.circuits[expression], belief, self._vocabulary)
-        return self._tables[expression]
+            self._version, self._products = belief.version, {}
+        if expression not in self._products:
+            self._products[expression] = evaluate(self.circuits[expression], belief, self._vocabulary)
+        return self._products[expression]
 
     def probability(self, expression: str, anchor: str, belief: GroundBeliefs) -> float:
-        """Return P(Den); 0 for an unknown anchor."""
-        return self.probabilities(expression, belief).get(anchor, 0.0)
+        """Return P(Den), the least that it can be; 0 for an unknown anchor."""
+        return self.interval(Compound("den", (expression, anchor)), belief).low
+
+    def interval(self, phi: Term, belief: GroundBeliefs, at_least: float | None = None) -> Interval:
+        """Return the bounds between which the probability of a statement lies.
+
+        Args:
+            phi: den(E, o), holds_of_the_world(S), or together(phi, phi').
+            belief: The belief.
+            at_least: The probability that decides; the bounds are narrowed until it does. None: any answer will do.
+        """
+        match phi:
+            case Compound("den", (str(expression), str(anchor))):
+                if self._by_worlds:
+                    return self._worlds.probability(expression, anchor, belief, at_least)
+                p = self.probabilities(expression, belief).get(anchor, 0.0)
+                return Interval(p, p)
+            case Compound("together", (first, second)):
+                return self._worlds.together((first, *_parts(second)), belief, at_least)
+        return self._worlds.together((phi,), belief, at_least)
 
     def probability_of_new(self, expression: str, region: str, belief: OpenBeliefs) -> float:
         """Return P(Den) of an arbitrary object in the region that is not met yet."""
-        return evaluate_at(STRANGER, self.circuits[expression], WithStranger(belief, region), self._vocabulary)
+        extended = WithStranger(belief, region)
+        if not self._by_worlds:
+            return evaluate_at(STRANGER, self.circuits[expression], extended, self._vocabulary)
+        worlds = Evaluator(self.circuits, self._vocabulary, self._key)
+        return worlds.together((Compound("den", (expression, STRANGER)),), extended, strangers=False).low
 
     def conjuncts(self, expression: str, anchor: str, belief: GroundBeliefs) -> dict[str, float]:
         """Return the probability of each property in the description, for explanations."""
         return {name: belief.prob_property(anchor, self.meanings[name]) for name in self.circuits[expression].props}
 
+    # ------------------------------------------------------------ the only one
 
-# ---------------------------------------------------------------- which properties make it true
+    def any_such(self, description: Lambda) -> str:
+        """Return the constant for all objects of which a description of the goal means the only one."""
+        return self.universe.counted[self._constants[description]].fitting
 
-
-def alternatives(circuit: Circuit) -> tuple[tuple[str, ...], ...]:
-    """Return the minimal sets of properties of the described object that make its description true, smallest first.
-
-    Relations to other objects count as true: no observation of one object settles those.
-    """
-    return tuple(tuple(sorted(words)) for words in _alternatives(circuit.root, circuit) if words)
-
-
-def _alternatives(node: Node, circuit: Circuit) -> list[frozenset[str]]:
-    match node:
-        case Leaf(relation, args):
-            compared = compared_in(node, circuit.variable)
-            if compared is not None:
-                return [frozenset({comparison(*compared)})]
-            return [frozenset({relation}) if args == (circuit.variable,) else frozenset()]
-        case EitherOver(_, inner):
-            return _alternatives(inner, circuit)
-        case Product(left, right):
-            pairs = product(_alternatives(left, circuit), _alternatives(right, circuit))
-            return _minimal(a | b for a, b in pairs)
-        case Either(left, right):
-            return _minimal([*_alternatives(left, circuit), *_alternatives(right, circuit)])
-        case _:
-            return [frozenset()]
+    def number(self, description: Lambda, belief: GroundBeliefs) -> tuple[float, float]:
+        """Return P(no object fits) and P(exactly one does), of a description of the goal that means the only one."""
+        name = self._constants[description]
+        none, one = (self._worlds.sentence(each, belief) for each in (f"{name}_none", f"{name}_one"))
+        return none.middle, one.middle
 
 
-def _minimal(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:
-    """Return the sets that are no supersets of other non-empty ones, in a fixed order."""
-    ordered = sorted(set(sets), key=lambda words: (len(words), sorted(words)))
-    kept = [words for words in ordered if not any(other and other < words for other in ordered)]
-    return kept[:MOST_ALTERNATIVES]
+def _numbers(expressions: Mapping[str, Lambda]) -> dict[str, Sentence]:
+    """Return the sentences that no object fits and that one does, for each description that means the only one."""
+    found: dict[str, Sentence] = {}
+    for name, each in expressions.items():
+        if each.kind == "the":
+            found[f"{name}_none"] = Sentence(Not(Exists(each.variable, each.body)))
+            found[f"{name}_one"] = Sentence(Count("exactly", 1, each.variable, each.body))
+    return found
+
+
+def _parts(phi: Term) -> tuple[Term, ...]:
+    match phi:
+        case Compound("together", (first, second)):
+            return (first, *_parts(second))
+    return (phi,)

@@ -64,9 +64,10 @@ class PosedGoal:
             lambda expression, region: denotations.probability_of_new(expression, region, belief),
             denotations.meanings,
             fruitless_here,
+            lambda phi, at_least: denotations.interval(phi, belief, at_least),
         )
         self._limits = limits
-        self._queries = queries = Queries(self.situation, denotations.alternatives, limits)
+        self._queries = queries = Queries(self.situation, denotations.alternatives, limits, denotations.universe)
         self.offers = RuleOffers(rulebook, self.situation, queries, mutexes)
         self._variables: list[Term] = [compound("var", name) for name in goal.variables]
         self._choices = self._candidates()
@@ -102,8 +103,11 @@ class PosedGoal:
         return all(map(self.situation.holds, sorted(fluents, key=lambda f: (_is_geometric(f), str(f)))))
 
     def satisfied(self, fluents: Subgoal) -> Iterator[Binding]:
-        """Return the bindings of Skolem constants to anchors under which all fluents hold; {} without constants."""
-        constants = sorted({s for f in fluents for s in _skolems(f)}, key=str)
+        """Return the bindings of Skolem constants to anchors under which all fluents hold; {} without constants.
+
+        A constant of which it is only said that it differs from others is not bound: nothing says yet what it is.
+        """
+        constants = sorted({s for f in fluents if not _is_difference(f) for s in _skolems(f)}, key=str)
         choices = [self.situation.anchors()] * len(constants)
         return fitting(constants, choices, fluents, self.situation.holds, _is_geometric, distinct=True)
 
@@ -213,7 +217,7 @@ def achieved_by(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> str | 
 
     No geometry is needed: a goal is about the world, not about what the robot can do.
     """
-    posed = PosedGoal(goal, rulebook, Denotations(goal.expressions, rulebook), belief, None, Mutexes([]))
+    posed = PosedGoal(goal, rulebook, Denotations(goal, rulebook), belief, None, Mutexes([]))
     root = posed.achieved()
     return None if root is None else _subject(root, belief.anchors()) or ""
 
@@ -223,7 +227,7 @@ def all_achieving(goal: Goal, rulebook: Rulebook, belief: BeliefQueries) -> tupl
 
     Of very many ways to make it hold, the first are tried.
     """
-    posed = PosedGoal(goal, rulebook, Denotations(goal.expressions, rulebook), belief, None, Mutexes([]))
+    posed = PosedGoal(goal, rulebook, Denotations(goal, rulebook), belief, None, Mutexes([]))
     holding = itertools.islice(posed.all_achieved(), MOST_READINGS)
     return tuple(dict.fromkeys(_subject(root, belief.anchors()) or "" for root in holding))
 
@@ -244,6 +248,10 @@ def nearness(conjuncts: Mapping[str, float], anchor: str, belief: BeliefQueries)
 
 def _is_geometric(fluent: Term) -> bool:
     return isinstance(fluent, Compound) and fluent.name in ("at", "clear", "aside")
+
+
+def _is_difference(fluent: Term) -> bool:
+    return isinstance(fluent, Compound) and fluent.name == "differ"
 
 
 def _skolems(term: Term) -> set[Term]:

@@ -10,27 +10,36 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Final
 
+from skolem.reasoner.meaning.universe import Universe
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.bands import band, expected
+from skolem.reasoner.planning.counting import Counting
 from skolem.reasoner.planning.situation import Situation, hand_named, quantity_named
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Compound, Term, nll, prob
-from skolem.traces.messages import Limits, TypeIs
+from skolem.traces.messages import Limits, TypeIs, TypeIsNot
 
 DEFAULTS: Final = Limits()
 
 Alternatives = Mapping[str, tuple[tuple[str, ...], ...]]  # expression -> sets of properties, each enough for it
 
 
-class Queries:
+class Queries(Counting):
     """Answers for one situation.
 
     Attributes:
         left_out: Objects and regions that were left out of answers, since they are less plausible than the limit.
     """
 
-    def __init__(self, situation: Situation, alternatives: Alternatives, limits: Limits = DEFAULTS) -> None:
+    def __init__(
+        self,
+        situation: Situation,
+        alternatives: Alternatives,
+        limits: Limits = DEFAULTS,
+        universe: Universe | None = None,
+    ) -> None:
         self._now = situation
+        self._universe = universe or Universe()
         self._alternatives = alternatives
         self._known = frozenset(situation.anchors())
         self._limits = limits
@@ -45,8 +54,10 @@ class Queries:
         return int(obj in self._known)
 
     def plausible(self, expression: str) -> list[Term]:
-        """The anchors that the description may denote, likeliest first."""
-        priced = [(nll(self._den(expression, a)), i, a) for i, a in enumerate(self._now.anchors())]
+        """The anchors that the description may denote, likeliest first; of the only such thing, all that may be one."""
+        counted = self._universe.counted.get(expression)
+        likely = counted.fitting if counted else expression
+        priced = [(nll(self._den(likely, a)), i, a) for i, a in enumerate(self._now.anchors())]
         return [a for cost, _, a in sorted(priced) if self._is_plausible(a, cost)]
 
     def present(self, expression: str, anchor: str) -> Term:
@@ -56,7 +67,7 @@ class Queries:
     def searchable(self, expression: str, p: int) -> list[Term]:
         """(region, -ln P(ExistsIn)) for each region that may hold a denoted object and is not known to the bound p."""
         found: list[Term] = []
-        for region in self._now.belief.regions():
+        for region in () if expression in self._universe.counted else self._now.belief.regions():
             cost = nll(self._now.probability(Compound("exists_in", (expression, region))))
             if nll(self._now.belief.prob_contents(region)) > p and self._is_plausible(region, cost):
                 found.append(Compound("", (region, cost)))
@@ -119,7 +130,7 @@ class Queries:
     def band(self, word: str, anchor: str, p: int) -> list[Term]:
         """(mu, Sigma, Delta) of the quantity from which the property follows; empty if the sensor is too weak."""
         meaning = self._now.meanings[word]
-        if isinstance(meaning, TypeIs):
+        if isinstance(meaning, TypeIs | TypeIsNot):
             return []
         belief, quantity = self._now.belief, meaning.quantity
         sensor = partial(belief.observation_covariance, quantity, anchor)

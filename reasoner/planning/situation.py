@@ -5,14 +5,14 @@ A `Situation` is one version of the belief; every answer is kept for as long as 
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.patterns import mentions
 from skolem.reasoner.protocols import BeliefQueries, Geometry
-from skolem.reasoner.terms import ANY, Compound, Term, compound, nll
+from skolem.reasoner.terms import ANY, Compound, Term, compound, nll, prob
 from skolem.traces.errors import InternalError, RuleError
 from skolem.traces.messages import HANDS, SENSING_HAND, Activity, Hand, Meaning, Quantity
 
@@ -21,6 +21,21 @@ _ACTIVITIES = "look/1, look_region/1, pick/2, place/3 and weigh/1"
 QUANTITIES: tuple[Quantity, ...] = ("pose", "colour", "weight")
 Denotation = Callable[[str, str], float]  # (expression constant, anchor) -> P(Den)
 Stranger = Callable[[str, str], float]  # (expression constant, region) -> P(an arbitrary object there is denoted)
+World = Callable[[Term, float | None], "Bounds"]  # (phi, the probability that decides) -> bounds of P(phi)
+
+
+class Bounds(Protocol):
+    """The bounds between which a probability lies."""
+
+    @property
+    def low(self) -> float:
+        """The least that it can be."""
+        ...
+
+    @property
+    def high(self) -> float:
+        """The most that it can be."""
+        ...
 
 
 class Situation:
@@ -40,8 +55,10 @@ class Situation:
         stranger: Stranger,
         meanings: Mapping[str, Meaning],
         fruitless_here: Collection[Term] = (),
+        world: World | None = None,
     ) -> None:
         self.belief = belief
+        self._world = world
         self._geometry = geometry
         self.meanings = meanings
         self._denotation = denotation
@@ -52,14 +69,15 @@ class Situation:
         self._probability: dict[Term, float] = {}
 
     def holds(self, fluent: Term) -> bool:
-        """Return whether a ground fluent is true now; nothing is true of a Skolem constant.
+        """Return whether a ground fluent is true now; nothing is true of a Skolem constant but that it is another one.
 
         Raises:
             RuleError: If the fluent is of a kind no rule may use.
         """
         if fluent not in self._holds:
             try:
-                self._holds[fluent] = not mentions(fluent, "sk") and self._evaluate(fluent)
+                known = not mentions(fluent, "sk") or _functor(fluent) == "differ"
+                self._holds[fluent] = known and self._evaluate(fluent)
             except (ArithmeticError, LookupError, TypeError, ValueError) as error:
                 text = f"the rules ask for {fluent}, which cannot be evaluated: {type(error).__name__}: {error}"
                 raise RuleError(text, _functor(fluent)) from error
@@ -88,12 +106,16 @@ class Situation:
 
     def _evaluate(self, fluent: Term) -> bool:
         match fluent:
+            case Compound("b", (Compound("den" | "together" | "holds_of_the_world") as phi, int(p))) if self._world:
+                return nll(self._world(phi, prob(p)).low) <= p
             case Compound("b", (phi, int(p))):
                 return nll(self.probability(phi)) <= p
             case Compound("bn", (Compound(quantity, (str(anchor),)), mu, sigma, delta, p)):
                 return self._gaussian_holds(quantity, anchor, mu, sigma, delta, p)
             case Compound("krd", (anchor,)):
                 return anchor in self._anchors
+            case Compound("differ", (one, other)):
+                return one != other
             case Compound("holding", (str(anchor),)):
                 return self.hand_of(anchor) is not None
             case Compound("loose", (str(anchor),)):
@@ -146,6 +168,16 @@ class Situation:
                 return self.belief.prob_exists(anchor)
             case Compound("on", (str(anchor), str(support))):
                 return self.belief.prob_exists(anchor) * self.belief.prob_on(anchor, support)
+            case Compound("off", (str(anchor), str(support))):
+                return 1.0 - self.belief.prob_exists(anchor) * self.belief.prob_on(anchor, support)
+            case Compound("unlike", (str(expression), str(anchor))):
+                if self._world is None:
+                    return 1.0 - self._denotation(expression, anchor)
+                return 1.0 - self._world(Compound("den", (expression, anchor)), None).high
+            case Compound("none_in", (str(expression), str(region))):
+                return 1.0 - self.belief.prob_exists_in(region, self._stranger(expression, region))
+            case Compound("holds_of_the_world" | "together") if self._world is not None:
+                return self._world(phi, None).low
             case Compound("contents", (str(region),)):
                 return self.belief.prob_contents(region)
             case Compound("exists_in", (str(expression), str(region))):

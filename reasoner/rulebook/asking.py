@@ -10,16 +10,35 @@ from skolem.traces.errors import NotRecordedError, RuleError
 Symbols = clingo.Symbol | list[clingo.Symbol]  # a query's answer, to clingo
 
 
+class _Remembered:
+    """Answers queries in terms; each answer is computed once, as where clingo asks for symbols."""
+
+    def __init__(self, queries: object) -> None:
+        self._queries = queries
+
+    def __getattr__(self, name: str) -> Callable[..., object]:
+        query, memo = getattr(self._queries, name), dict[tuple[object, ...], object]()
+
+        def ask(*arguments: object) -> object:
+            if arguments not in memo:
+                memo[arguments] = query(*arguments)
+            return memo[arguments]
+
+        setattr(self, name, ask)
+        return ask
+
+
 class Asked:
     """Answers the @functions of the rules from a queries object; each answer is computed once."""
 
     def __init__(self, queries: object) -> None:
         self._queries = queries
+        self._remembered = _Remembered(queries)
 
     @staticmethod
     def source(asked: "Asked") -> object:
-        """Return the queries object; no method, since every other name is one of its queries."""
-        return asked._queries
+        """Return the queries, answered in terms, each computed once; no method, since other names are queries."""
+        return asked._remembered
 
     def __getattr__(self, name: str) -> Callable[..., Symbols]:
         memo: dict[tuple[clingo.Symbol, ...], Symbols] = {}

@@ -28,6 +28,9 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "denote",  # the denotation of descriptions
     "infer",  # from descriptions to properties to quantities
     "find",  # from descriptions to regions
+    "count",  # from numbers of objects to descriptions
+    "refute",  # how the robot comes to know that an object, or a hidden one, does not fit
+    "together",  # from what holds in one world to its parts
     "look",
     "look_region",
     "weigh",

@@ -149,11 +149,14 @@ def compile_sentence(sentence: Sentence, rulebook: Rulebook) -> Circuit:
 
 
 def _compiled(variable: Term, body: Expression, kind: Term, text: str, rulebook: Rulebook) -> Circuit:
-    facts = [compound("lambda", "e", variable, expression_term(body)), compound("kind", "e", kind)]
+    term = expression_term(body)
+    facts = [compound("lambda", "e", variable, term), compound("kind", "e", kind)]
     atoms = rulebook.solve(facts, None, ["denote"]).atoms
     if atoms.get("bad"):
         reasons = ", ".join(str(reason) for _, reason in atoms["bad"])
         raise InternalError(f"rules/denote.lp: {text} is not legal: {reasons}")
+    if kind == "lambda" and not rulebook.stating(("whole", 2)):
+        atoms["whole"] = [("e", term)]  # rules of an older trace: they have no other kind
     if not atoms.get("whole"):
         raise InternalError(f"rules/denote.lp says of no expression that it is the whole of {text}")
     axioms = {expression: node for expression, node in atoms["axiom"]}

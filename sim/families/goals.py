@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from skolem.sim.families.margins import MAX_SD, WEIGHT_SD_KG, colour_margin
 from skolem.sim.families.words import Hsv, Words
-from skolem.traces.messages import TypeIs, WeightInterval
+from skolem.traces.messages import TypeIs, TypeIsNot, WeightInterval
 
 Body = tuple[str, Hsv | None, float | None]  # type, colour, mass [kg]
 
@@ -30,6 +30,8 @@ class Property:
         meaning = words.meanings[self.word]
         if isinstance(meaning, TypeIs):
             return kind == meaning.type
+        if isinstance(meaning, TypeIsNot):
+            return kind != meaning.type
         if isinstance(meaning, WeightInterval):
             return kg is not None and meaning.at_least_kg <= kg and (meaning.below_kg is None or kg < meaning.below_kg)
         return hsv is not None and meaning.contains(hsv)
@@ -38,7 +40,7 @@ class Property:
         """Return the distance of a body from the border of the property, in standard deviations of one reading."""
         _, hsv, kg = body
         meaning = None if self.grams is not None else words.meanings[self.word]
-        if isinstance(meaning, TypeIs):
+        if isinstance(meaning, TypeIs | TypeIsNot):
             return MAX_SD
         if meaning is None or isinstance(meaning, WeightInterval):
             ends = (self.grams or 0) / 1000.0 if meaning is None else meaning

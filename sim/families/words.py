@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from skolem.traces.messages import ColourMeaning, Meaning, ObjectType, TypeIs, WeightInterval
+from skolem.traces.messages import ColourMeaning, Meaning, ObjectType, WeightInterval
 
 Hsv = tuple[float, float, float]
 
@@ -27,7 +27,7 @@ class Words:
     def colours(self) -> dict[str, ColourMeaning]:
         """The words of colours, in alphabetical order."""
         items = sorted(self.meanings.items())
-        return {word: meaning for word, meaning in items if not isinstance(meaning, TypeIs | WeightInterval)}
+        return {word: meaning for word, meaning in items if isinstance(meaning, ColourMeaning)}
 
     def colour_of(self, hsv: Hsv) -> str | None:
         """Return the first word of a colour; None if it has none."""

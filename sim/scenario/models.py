@@ -34,7 +34,7 @@ from skolem.sim.scenario.sizes import (
     Torso,
     Turned,
 )
-from skolem.traces.messages import Limits, NoiseModel
+from skolem.traces.messages import Evaluation, Limits, NoiseModel
 
 Fraction = Annotated[float, Field(ge=0, le=1, strict=True)]
 Name = Annotated[
@@ -260,6 +260,13 @@ class BelievedRegion(Model):
 class InitialBelief(Model):
     """The robot's prior of objects and regions; the names are rigid designators."""
 
+    evaluation: Annotated[
+        Evaluation,
+        Field(
+            description="worlds: the share of possible worlds in which the goal's beliefs are true; independent: the "
+            "paper's product of the probabilities of their parts"
+        ),
+    ] = "worlds"
     defaults: BeliefDefaults
     objects: Annotated[tuple[BelievedObject, ...], Field(max_length=MOST_THINGS)]
     regions: Annotated[tuple[BelievedRegion, ...], Field(max_length=MOST_REGIONS)] = ()
@@ -295,7 +302,7 @@ class Certificate(Model):
 class Expect(Model):
     """How the run should end."""
 
-    status: Literal["goal_achieved", "goal_unachievable", "limit_reached"]
+    status: Literal["goal_achieved", "goal_unachievable", "no_referent", "no_unique_referent", "limit_reached"]
     chosen: str | None = None
     operators: tuple[str, ...] = ()
     replans_at_least: Step = 0

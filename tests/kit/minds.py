@@ -21,6 +21,7 @@ from skolem.traces.messages import (
     Place,
     Quantity,
     TypeIs,
+    TypeIsNot,
     Weigh,
     WeightInterval,
 )
@@ -101,6 +102,8 @@ class TableBelief(PlainBelief):
         match meaning:
             case TypeIs(type=name):
                 return thing.types.get(name, 0.0)
+            case TypeIsNot(type=name):
+                return 1.0 - thing.types.get(name, 0.0)
             case HsvUnion(boxes=boxes):
                 _, s, v = thing.hsv  # taken as exact
                 return sum(self._prob(thing, box) for box in boxes if box.contains((box.hue[0], s, v)))

@@ -87,7 +87,7 @@ def posed(
     """Return a goal posed of a belief, by default with the geometry `TableGeometry`."""
     book = rulebook or shipped()
     parsed = parse_goal(goal, book.vocabulary.words(), belief.anchors())
-    denotations = Denotations(parsed.expressions, book)
+    denotations = Denotations(parsed, book)
     return PosedGoal(parsed, book, denotations, belief, geometry or TableGeometry(), read_mutexes(book))
 
 

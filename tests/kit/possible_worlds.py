@@ -33,7 +33,7 @@ from skolem.reasoner.language.descriptions import (
     Variable,
     constant_of,
 )
-from skolem.traces.messages import HsvUnion, HsvVolume, Meaning, Relation, Strangers, TypeIs, WeightInterval
+from skolem.traces.messages import HsvUnion, HsvVolume, Meaning, Relation, Strangers, TypeIs, TypeIsNot, WeightInterval
 
 # The shipped words, and colours that overlap with them, one of them around hue 0.
 VOCABULARY = replace(
@@ -62,6 +62,8 @@ class Look:
         match meaning:
             case TypeIs(type=kind):
                 return self.kind == kind
+            case TypeIsNot(type=kind):
+                return self.kind != kind
             case HsvVolume() | HsvUnion():
                 return meaning.contains(self.hsv)
             case WeightInterval():

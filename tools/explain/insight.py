@@ -60,7 +60,9 @@ class Insight:
 
     def derivation(self, fluent: Term) -> Derivation:
         """Return the derivation of the rules for a fluent."""
-        queries = Queries(self.posed.situation, self.denotations.alternatives, self.given.limits)
+        queries = Queries(
+            self.posed.situation, self.denotations.alternatives, self.given.limits, self.denotations.universe
+        )
         return Derivation(self.given.rulebook, [compound("goal", fluent)], queries)
 
     def stack(self) -> Memory | None:

@@ -3,7 +3,7 @@
 import hashlib
 import os
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from skolem.estimation import EstimatorConfig
@@ -138,7 +138,7 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
 
     scenario = check(document, rulebook.vocabulary.types, faults)
     [goal] = goals  # the check of a scenario without fault has read its goal, once
-    return scenario, goal
+    return scenario, replace(goal, evaluation=scenario.belief.evaluation)
 
 
 def run_start(setup: Setup) -> RunStart:
@@ -152,4 +152,5 @@ def run_start(setup: Setup) -> RunStart:
         seed=setup.seed,
         goal=setup.scenario.goal,
         limits=setup.scenario.limits,
+        evaluation=setup.goal.evaluation,
     )

@@ -22,6 +22,7 @@ from skolem.traces.messages import (
     TrueObject,
     TrueState,
     TypeIs,
+    TypeIsNot,
     Verdict,
 )
 from skolem.traces.messages.poses import compose4, flat, inverse4, raised
@@ -141,6 +142,8 @@ def meant_by(anchor: str, belief: Belief, state: TrueState, types: Mapping[str, 
 def _has(item: TrueObject, meaning: Meaning) -> bool:
     if isinstance(meaning, TypeIs):
         return item.type == meaning.type
+    if isinstance(meaning, TypeIsNot):
+        return item.type != meaning.type
     if isinstance(meaning, ColourMeaning):
         return meaning.contains(item.hsv)
     return meaning.at_least_kg <= item.kg and (meaning.below_kg is None or item.kg < meaning.below_kg)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from skolem.reasoner import parse_goal
 from skolem.tools.loop import worlds
@@ -117,6 +117,7 @@ def given_in(run: RecordedRun, rulebooks: Rulebooks | None = None, rules: Mappin
     prior = run.prior
     if rules:
         prior = prior.model_copy(update={"types": dict(rulebook.vocabulary.types)})
+    goal = replace(goal, evaluation=run.start.evaluation or "independent")
     return Given(goal, rulebook, prior, run.start.limits)
 
 

@@ -21,6 +21,8 @@ from skolem.traces.wording.wording import Wording
 EXIT: dict[RunStatus, int] = {
     "goal_achieved": 0,
     "goal_unachievable": 1,
+    "no_referent": 1,
+    "no_unique_referent": 1,
     "limit_reached": 1,
     "error": 4,
     "interrupted": 130,

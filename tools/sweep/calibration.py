@@ -152,7 +152,7 @@ class _Judge:
         self._told = {item.anchor for item in given.prior.objects}
         self._words = given.rulebook.vocabulary.meanings
         self._expressions = tuple(given.goal.expressions)
-        self._true = Denotations(given.goal.expressions, given.rulebook)
+        self._true = Denotations(given.goal, given.rulebook)
 
     def meant(self, belief: messages.Belief, state: TrueState) -> dict[str, str]:
         """Return the true object that each anchor stands for; anchors that stand for none are left out.

@@ -14,7 +14,8 @@ from skolem.traces.file.made_of import digest, disagreements
 from skolem.traces.messages import RunStart
 from skolem.traces.written import give_name, refuse_special
 
-BY_ITSELF = frozenset({"goal_achieved", "goal_unachievable", "limit_reached"})  # another attempt would end alike
+# Another attempt would end alike.
+BY_ITSELF = frozenset({"goal_achieved", "goal_unachievable", "no_referent", "no_unique_referent", "limit_reached"})
 SAID = {  # field of the start of a run -> what differs
     "scenario": "of another scenario",
     "goal": "of another goal",

@@ -21,6 +21,8 @@ from skolem.traces.messages import RunStatus
 
 ENDS: Mapping[RunStatus, str] = {
     "goal_unachievable": "given up as impossible",
+    "no_referent": "nothing fits",
+    "no_unique_referent": "several fit",
     "limit_reached": "ended at a limit",
     "error": "ended by an internal error",
 }

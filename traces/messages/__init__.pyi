@@ -56,6 +56,7 @@ from .reasoning import (
 from .relations import Relation as Relation, Strangers as Strangers
 from .run import (
     Chain as Chain,
+    Evaluation as Evaluation,
     Limits as Limits,
     Perf as Perf,
     RunEnd as RunEnd,
@@ -89,5 +90,6 @@ from .words import (
     ObjectType as ObjectType,
     Quantity as Quantity,
     TypeIs as TypeIs,
+    TypeIsNot as TypeIsNot,
     WeightInterval as WeightInterval,
 )

@@ -36,6 +36,9 @@ class Limits(Message):
     ] = False
 
 
+Evaluation = Literal["worlds", "independent"]
+
+
 class RunStart(Message):
     """What a run was made of."""
 
@@ -48,6 +51,9 @@ class RunStart(Message):
     seed: int
     goal: str
     limits: Limits
+    evaluation: Annotated[
+        Evaluation | None, Field(description="of beliefs; null in traces from before there was a choice: independent")
+    ] = None
     ticks_per_second: int = TICKS_PER_SECOND
 
 
@@ -58,7 +64,15 @@ class Chain(Message):
     chain: str
 
 
-RunStatus = Literal["goal_achieved", "goal_unachievable", "limit_reached", "error", "interrupted"]
+RunStatus = Literal[
+    "goal_achieved",
+    "goal_unachievable",
+    "no_referent",
+    "no_unique_referent",
+    "limit_reached",
+    "error",
+    "interrupted",
+]
 
 
 class RunEnd(Message):

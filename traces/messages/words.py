@@ -23,6 +23,13 @@ class TypeIs(Message):
     type: str
 
 
+class TypeIsNot(Message):
+    """The property of being of any other type."""
+
+    quantity: Literal["type"] = "type"
+    type: str
+
+
 class HsvVolume(Message):
     """The property of having a colour in a box of hue, saturation, value, each 0..1; hue wraps if low > high.
 
@@ -72,5 +79,5 @@ class WeightInterval(Message):
 
 
 ColourMeaning = HsvVolume | HsvUnion
-Meaning = TypeIs | ColourMeaning | WeightInterval
+Meaning = TypeIs | TypeIsNot | ColourMeaning | WeightInterval
 Quantity = Literal["pose", "type", "colour", "weight"]

@@ -18,6 +18,7 @@ _LAMBDA: Final = re.compile(
 )
 _SIGNS: Final = str.maketrans({"λ": "lambda ", "ι": "the ", "∧": "&", "∨": "|"})  # noqa: RUF001 - signs are meant
 _SUPERLATIVES: Final = ("heaviest", "lightest")
+_NOT: Final = "not__"  # begins the name of a complement
 _OF: Final = re.compile(r",\s*(\w+)\s*\)")
 _BOTH: Final = re.compile(r"(And|Or)\((.*),(.*)\)")
 
@@ -57,13 +58,23 @@ class Description:
 
 
 def predicate(words: Sequence[str], nouns: Collection[str]) -> str:
-    """Return properties as a predicate: `green and heavy`, `a heavy can`."""
+    """Return properties as a predicate: `green and heavy`, `a heavy can`, `not a can`."""
+    lacking = [_lacking(word, nouns) for word in words if word.startswith(_NOT)]
+    if lacking:
+        rest = [word for word in words if not word.startswith(_NOT)]
+        return listed([*([predicate(rest, nouns)] if rest else []), *lacking])
     kinds = [spaced(word) for word in words if word in nouns]
     others = [spaced(word) for word in words if word not in nouns]
     if not kinds:
         return listed(others)
     first, *rest = [" ".join([*others, kinds[0]]), *kinds[1:]]
     return listed([_with_article(each) for each in (first, *rest)])
+
+
+def _lacking(word: str, nouns: Collection[str]) -> str:
+    """Return the complement of a property as a predicate."""
+    name, _, side = word.removeprefix(_NOT).partition("__")
+    return f"{side} {spaced(name)}" if side else f"not {predicate([name], nouns)}"
 
 
 def _with_article(name: str) -> str:

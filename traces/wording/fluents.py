@@ -24,10 +24,16 @@ _BELIEVED: Final[dict[tuple[str, int], _Clause]] = {  # the clause of the phi in
     ("on", 2): lambda t, a: f"{t.name(a[0])} is on {t.name(a[1])}",
     ("near", 2): lambda t, a: f"{t.name(a[0])} is near {t.name(a[1])}",
     ("contents", 1): lambda t, a: f"all that {t.region(a[0])} holds is known",
+    ("off", 2): lambda t, a: f"{t.name(a[0])} is not on {t.name(a[1])}",
+    ("unlike", 2): lambda t, a: f"{t.name(a[1])} is not {t.described(a[0])}",
+    ("none_in", 2): lambda t, a: f"{t.region(a[1])} hides nothing of what is meant",
+    ("holds_of_the_world", 1): lambda t, a: t.sentence(a[0]),
+    ("together", 2): lambda t, a: f"{_phi(t, a[0])} and {_phi(t, a[1])}",
     ("exists_in", 2): lambda t, a: f"{t.described(a[0])} is hidden in {t.region(a[1])}",
 }
 _OTHERS: Final[dict[tuple[str, int], _Clause]] = {
     ("krd", 1): lambda t, a: f"{t.name(a[0])} {'has been found' if a[0].name == 'sk' else 'is known by name'}",
+    ("differ", 2): lambda t, a: f"{t.name(a[0])} and {t.name(a[1])} are two objects",
     ("holding", 1): lambda t, a: f"a hand holds {t.name(a[0])}",
     ("held", 2): lambda t, a: f"the {a[0]} hand holds {t.name(a[1])}",
     ("empty", 1): lambda t, a: f"the {a[0]} hand is empty",

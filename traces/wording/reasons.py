@@ -20,6 +20,8 @@ CAUSES: Final[Mapping[PlanCause, str]] = {
 STATUSES: Final[Mapping[RunStatus, str]] = {
     "goal_achieved": "goal believed achieved",
     "goal_unachievable": "goal not achieved, nothing is left to try",
+    "no_referent": "nothing is what the goal means by `the`",
+    "no_unique_referent": "several objects are what the goal means by `the`",
     "limit_reached": "goal not achieved, a limit was reached",
     "error": "internal error",
     "interrupted": "interrupted",
@@ -31,6 +33,8 @@ RISKS: Final[Mapping[str, str]] = {
     "prior_of_description": "the object is not what is meant",
     "prior_of_existence": "no such object is there",
     "prior_of_property": "the object does not have the property",
+    "prior_of_none": "such an object is hidden there",
+    "prior_of_refutation": "the object fits after all",
     "slips": "the object slips",
     "still_blocked": "the way is still blocked",
     "unfavourable_reading": "the sensor says otherwise",

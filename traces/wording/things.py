@@ -51,6 +51,10 @@ class Things:
         description = self._descriptions[0].get(str(expression))
         return "what is meant" if description is None else description.phrase(self.nouns)
 
+    def sentence(self, constant: Recorded) -> str:
+        """Return the clause that a sentence of the goal is true."""
+        return f"sentence {str(constant).removeprefix('s')} of the goal is true"
+
     def is_meant(self, expression: Recorded, thing: Recorded) -> str:
         """Return the clause that an object is meant by a description."""
         name = "the object to be found" if thing.name == "sk" else self.name(thing)

@@ -14,6 +14,7 @@ from skolem.reasoner.planning.situation import Situation
 from skolem.reasoner.rulebook.book import Rulebook, rule_files
 from skolem.reasoner.rulebook.examination import examine
 from skolem.reasoner.terms import parse_term
+from skolem.reasoner.worlds.evaluator import Interval
 from skolem.traces.errors import InputError
 
 PUSH = """step(push(O)) :- goal(b(on(O, S), _)), @rigid(S) = 1.
@@ -170,7 +171,9 @@ def test_the_belief_and_the_geometry_answer_every_fluent_of_the_table() -> None:
     names = {"expression": "e1", "properties": "(soda,heavy)", "word": "soda", "region": "shelf", "hand": "right"}
     belief = TableBelief({"object": Thing({"soda": 1.0}, hand="right")}, {"shelf": Region("object")})
     meanings = Rulebook.load(Queries).vocabulary.meanings
-    situation = Situation(belief, TableGeometry(), lambda *_: 0.5, lambda *_: 0.5, meanings)
+    situation = Situation(
+        belief, TableGeometry(), lambda *_: 0.5, lambda *_: 0.5, meanings, world=lambda *_: Interval(0.5, 0.5)
+    )
     for text in FLUENTS:
         for activity in ACTIVITIES:
             filled = text.replace("activity", activity)

@@ -9,9 +9,10 @@ from kit.draws import examples
 from kit.relation_tables import BOOK, ROUNDING, WORDS, Table
 
 from skolem.reasoner.language.descriptions import And, Atom, Exists, Expression, Lambda, Name, Or, Variable, constant_of
+from skolem.reasoner.language.expressions import Believed, Den, Goal
 from skolem.reasoner.language.parser import parse_lambda
 from skolem.reasoner.planning.denotation import evaluate
-from skolem.reasoner.planning.denotations import Denotations, alternatives
+from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.terms import compound
 from skolem.reasoner.worlds.circuits import compile_description, expression_term
 from skolem.traces.errors import InternalError
@@ -20,6 +21,10 @@ from skolem.traces.messages import WeightInterval
 
 def described(text: str) -> Lambda:
     return parse_lambda(text, WORDS)
+
+
+def denotations_of(text: str) -> Denotations:
+    return Denotations(Goal((), (Believed(Den(described(text), Name("a")), 0.9),)), BOOK)
 
 
 def value(text: str, belief: Table) -> dict[str, float]:
@@ -198,16 +203,16 @@ def test_properties_that_a_description_turns_on(
 ) -> None:
     circuit = compile_description(described(text), BOOK)
     assert circuit.props == props
-    assert alternatives(circuit) == sets
+    assert denotations_of(text).alternatives["e1"] == sets
 
 
 def test_conjuncts_are_the_parts_of_an_explanation() -> None:
-    denotations = Denotations({"e1": described("lambda x. Green(x) & Soda(x)")}, BOOK)
+    denotations = denotations_of("lambda x. Green(x) & Soda(x)")
     assert denotations.conjuncts("e1", "a", TWO) == {"green": 0.8, "soda": 0.5}
 
 
 def test_what_a_description_compares_with_a_number_is_a_property_of_its_own() -> None:
-    denotations = Denotations({"e1": described("lambda x. Soda(x) & HeavierThan(x, 400)")}, BOOK)
+    denotations = denotations_of("lambda x. Soda(x) & HeavierThan(x, 400)")
     assert denotations.meanings["heavier_than_400"] == WeightInterval(at_least_kg=0.4)
     assert denotations.meanings["heavy"] == BOOK.vocabulary.meanings["heavy"]
 
@@ -216,7 +221,7 @@ def test_what_a_description_compares_with_a_number_is_a_property_of_its_own() ->
 
 
 def test_a_description_is_evaluated_once_per_version_of_the_belief() -> None:
-    denotations = Denotations({"e1": described("lambda x. Green(x)")}, BOOK)
+    denotations = denotations_of("lambda x. Green(x)")
     first, second = Table(["a"], {("green", "a"): 0.8}), Table(["a"], {("green", "a"): 0.2}, version=1)
     assert [denotations.probability("e1", "a", first) for _ in range(3)] == [0.8] * 3
     assert first.asked == 1
