@@ -3,6 +3,7 @@
 No shared file system is needed. A worker that runs another version of the program refuses.
 """
 
+import gc
 import hashlib
 import signal
 from collections.abc import Sequence
@@ -99,8 +100,11 @@ def run_on_worker(task: Task) -> Finished:
     worker = get_worker()
     if worker.state.nthreads != 1:
         raise WorkerRefusedError(f"{worker.address}: a worker must have one thread; start it with --nthreads 1")
-    with TemporaryDirectory(dir=worker.local_directory) as folder:
-        return perform(task, Path(folder))
+    try:
+        with TemporaryDirectory(dir=worker.local_directory) as folder:
+            return perform(task, Path(folder))
+    finally:
+        gc.collect()  # a run leaves circles of few objects that hold much memory of compiled libraries
 
 
 def perform(task: Task, folder: Path) -> Finished:

@@ -1,6 +1,7 @@
 """Many runs at a time: the same tables whatever the number of workers, nothing done twice, nothing lost."""
 
 import csv
+import gc
 import json
 import os
 import signal
@@ -9,10 +10,12 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import psutil
 import pytest
@@ -28,7 +31,7 @@ from skolem.tools.sweep import pool
 from skolem.tools.sweep.earlier import Earlier, earlier
 from skolem.tools.sweep.rows import Row, results_csv, times_csv
 from skolem.tools.sweep.sweeping import LOCK, seed_range
-from skolem.tools.sweep.task import Task, WorkerRefusedError, perform, tasks_of
+from skolem.tools.sweep.task import Task, WorkerRefusedError, perform, run_on_worker, tasks_of
 from skolem.traces.errors import InputError
 from skolem.traces.file.codec import CONTENT
 from skolem.traces.file.reader import Trace
@@ -122,6 +125,26 @@ def test_another_program_refuses_to_do_the_run(tmp_path: Path) -> None:
     older = replace(made, source="of last week")
     with pytest.raises(WorkerRefusedError, match="another version of skolem"):
         perform(older, tmp_path)
+
+
+def test_a_worker_keeps_no_garbage_of_a_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    class Worker:
+        state = SimpleNamespace(nthreads=1)
+        local_directory = str(tmp_path)
+
+    class Circle:
+        def __init__(self) -> None:
+            self.itself = self
+
+    left: list[weakref.ref[Circle]] = []
+    monkeypatch.setattr("distributed.get_worker", Worker)
+    monkeypatch.setattr("skolem.tools.sweep.task.perform", lambda task, folder: left.append(weakref.ref(Circle())))
+    gc.disable()
+    try:
+        run_on_worker(task())
+    finally:
+        gc.enable()
+    assert [found() for found in left] == [None]
 
 
 def test_only_a_whole_trace_of_the_same_run_counts_as_done(tmp_path: Path) -> None:
