@@ -6,6 +6,7 @@
 #   make fuzz    property tests on fresh examples; it prints the seed that draws the same ones again
 #   make docs    the reference of public names, from their docstrings, into out/site
 #   make bench   measure reasoner and estimator beside their peers, into docs/benchmarks.md (about a quarter of an hour)
+#   make lowest  part of the tests with the lowest versions that pyproject.toml allows, into build/lowest
 #   make setup   install only
 #   make lock    choose the newest versions of all dependencies anew
 #   make clean   remove everything that the others made
@@ -28,7 +29,7 @@ DRAWS ?= $(shell echo $$RANDOM$$RANDOM)
 EXAMPLES ?= 10
 TRACE := out/$(basename $(notdir $(SCENARIO)))-$(SEED).mcap
 
-.PHONY: help setup demo test fuzz check lint wheel docs bench lock clean
+.PHONY: help setup demo test fuzz check lint wheel docs bench lowest lock clean
 
 help:
 	@sed -n '3,$${/^#/!q;s/^# \{0,1\}//p}' Makefile
@@ -84,6 +85,16 @@ docs: setup
 
 bench: setup
 	$(BIN)/python -m benchmarks
+
+# Whoever installs beside other packages may get these versions: a bound that does not hold is raised.
+lowest: LOWEST := build/lowest
+lowest: setup
+	@$(PIP) install uv
+	$(BIN)/python -m venv --clear $(LOWEST)
+	$(BIN)/uv pip install --quiet --python $(LOWEST)/bin/python --resolution lowest-direct --editable '.[dev]'
+	timeout 60 $(LOWEST)/bin/python -m skolem rules check
+	$(LOWEST)/bin/python -m pytest -q -n $(WORKERS) -m 'not physics and not viewer' \
+		tests/reasoner tests/rules tests/estimation tests/traces tests/sim tests/tools/run tests/tools/rules
 
 lock: $(VENV)/bin/python
 	@$(PIP) install uv

@@ -8,6 +8,7 @@ import gc
 import os
 import signal
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 from types import FrameType
 from typing import Annotated, Any
@@ -74,7 +75,7 @@ VERBS = {  # verb -> (module with an `app`, its first docstring line)
         "Show a run: robot, true and believed objects, camera, plans, decisions and curves, over steps or time.",
     ),
 }
-BAD_INPUT, BAD_TRACE, INTERNAL, NOT_READ = 2, 3, 4, 141
+BAD_INPUT, BAD_TRACE, INTERNAL, INTERRUPTED, NOT_READ = 2, 3, 4, 130, 141
 AGAIN_S = 0.01  # delay before a lost request to end is repeated
 GARBAGE = 100_000  # new objects before a search for garbage: it visits all imported modules, and they stay anyway
 
@@ -153,13 +154,22 @@ def main() -> int:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # plugins of other packages take time
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads are slower on small matrices, and not repeatable
     gc.set_threshold(GARBAGE)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # like Ctrl-C, so that the trace is closed
+    asked: list[int] = []
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        asked.append(number)
+        signal.default_int_handler(number, frame)
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):  # so that the trace is closed; see _ask_again too
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, ask)
     _end_with_the_terminal()
-    signal.signal(signal.SIGALRM, signal.default_int_handler)  # a repeated request: see _ask_again
     sys.unraisablehook = _ask_again
     written = lasting_output()
-    status = _run()
+    status = _run(asked)
     sys.stdout.flush()
+    if asked and status == INTERNAL:
+        status = INTERRUPTED
     return status if written is None else _of_lost_output(written.lost, status)
 
 
@@ -195,16 +205,23 @@ def _ask_again(lost: "sys.UnraisableHookArgs") -> None:
         sys.__unraisablehook__(lost)
 
 
-def _run() -> int:
+def _run(asked: Sequence[int]) -> int:
+    """Run the command and return its exit status; `asked` holds the requests to end."""
     try:
         app(prog_name="skolem")
     except SystemExit as leaving:
         return leaving.code if isinstance(leaving.code, int) else int(leaving.code is not None)
     except KeyboardInterrupt:
-        return 130
+        return INTERRUPTED
     except Exception as error:
-        return _explain(error)
+        return INTERRUPTED if asked and not _meant(error) else _explain(error)  # libraries make another error of it
     return 0
+
+
+def _meant(error: Exception) -> bool:
+    from skolem.traces.errors import SkolemError
+
+    return isinstance(error, SkolemError)
 
 
 def _explain(error: Exception) -> int:

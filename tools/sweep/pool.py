@@ -3,14 +3,17 @@
 A worker that dies loses no finished run: traces are fetched at once, and another worker does its other runs.
 """
 
+import atexit
 import logging
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing import active_children
 from tempfile import TemporaryDirectory
 
 import dask
 from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+from distributed.deploy.spec import close_clusters
 from distributed.utils import silence_logging_cmgr
 
 from skolem.tools.sweep import task as sweep_task
@@ -41,6 +44,8 @@ def local_workers(count: int) -> Iterator[Client]:
         TemporaryDirectory(prefix="skolem-sweep-", ignore_cleanup_errors=True) as folder,
         ExitStack() as opened,
     ):
+        atexit.unregister(close_clusters)  # it would wait for a cluster whose start was interrupted
+        opened.callback(_kill_children)
         try:
             cluster = LocalCluster(
                 n_workers=count,
@@ -57,10 +62,14 @@ def local_workers(count: int) -> Iterator[Client]:
             )
             opened.enter_context(_closed(cluster))
             client = Client(cluster)
+        except KeyboardInterrupt:
+            logging.disable(logging.CRITICAL)  # this process ends: what is left of the start may fail
+            raise
         except TROUBLE as error:
             raise _refused(f"the processes could not be started: {error}", "--workers") from None
         opened.enter_context(_closed(client))
-        yield client
+        with _ended_at_once(cluster):
+            yield client
 
 
 @contextmanager
@@ -82,6 +91,23 @@ def workers_of(scheduler: str) -> Iterator[Client]:
                 said = f"no worker has joined {scheduler}; start some: dask worker {scheduler} --nthreads 1"
                 raise _refused(said) from None
             yield client
+
+
+@contextmanager
+def _ended_at_once(cluster: LocalCluster) -> Iterator[None]:
+    """Kill the workers if the block is interrupted: they would first end their runs, which nobody waits for."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        for nanny in cluster.workers.values():
+            nanny.close_gracefully()  # it starts no new process
+        _kill_children()
+        raise
+
+
+def _kill_children() -> None:
+    for process in active_children():
+        process.kill()
 
 
 @contextmanager
