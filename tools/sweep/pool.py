@@ -29,6 +29,7 @@ SETTINGS = {
     "distributed.scheduler.allowed-failures": ATTEMPTS - 1,
     "distributed.scheduler.worker-saturation": 1.0,  # runs wait at the scheduler: a dying worker counts for one alone
     "distributed.comm.timeouts.connect": CONNECT_S,
+    "distributed.worker.profile.enabled": False,  # it keeps what it samples, more with every run
 }
 
 
