@@ -10,7 +10,7 @@ class EstimatorConfig:
     Attributes:
         listed: Least P(exists) of a listed anchor. A less likely object is not worth a look.
         likely: Least P(exists) of an anchor that takes room, supports objects and explains depth readings.
-        met: Least number of sightings and picks after which a gone object must be elsewhere; one may be an error.
+        sure: Least P(an object exists), at any time before, with which it must be elsewhere if it is gone.
         most_sure: P(exists) of an object of the prior, and the greatest P(exists) of any object, as someone may have
             taken it. From here, two to three missed detections in plain view unlist an anchor if the picture shows
             nothing in its place.
@@ -81,7 +81,7 @@ class EstimatorConfig:
 
     listed: float = 0.05
     likely: float = 0.5
-    met: int = 2
+    sure: float = 0.9
     most_sure: float = 0.99
     retired: float = 1e-3
     gate: float = 16.266

@@ -49,7 +49,7 @@ class Track:
         places: Weighted places, while its place is uncertain; otherwise none, and the pose graph has its place.
         rests: P(it stands on a known support, and not on the floor or elsewhere | it exists).
         otherwise: P(something else stands in its place | it does not exist).
-        met: Number of its detections and picks.
+        surest: Greatest P(the object exists) so far.
     """
 
     exists: float
@@ -63,7 +63,11 @@ class Track:
     hand: Hand | None = None
     places: tuple[Place, ...] = ()
     rests: float = 1.0
-    met: int = 0
+    surest: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Keep the greatest P(the object exists)."""
+        object.__setattr__(self, "surest", max(self.surest, self.exists))
 
 
 class Tracks:
@@ -153,7 +157,7 @@ class Tracks:
                 self._look(event)
             case Picked():
                 track = self._evidence(event.anchor, (1.0 - self._config.pick_fails) / self._config.pick_deceives)
-                self._tracks[event.anchor] = replace(track, hand=event.hand, support=None, met=track.met + 1)
+                self._tracks[event.anchor] = replace(track, hand=event.hand, support=None)
             case PickFailed():
                 odds = self._config.pick_fails / (1.0 - self._config.pick_deceives)
                 self._tracks[event.anchor] = self._evidence(event.anchor, odds)
@@ -213,9 +217,9 @@ class Tracks:
             self._tracks[miss.anchor] = self._missed(miss)
 
     def is_gone(self, miss: Missed) -> bool:
-        """Return whether a missed detection unlists an anchor whose object was certainly met before."""
+        """Return whether a missed detection unlists an anchor of whose object the robot was sure before."""
         track, least = self[miss.anchor], self._config.listed
-        return track.met >= self._config.met and track.exists >= least > self._missed(miss).exists
+        return track.surest >= self._config.sure and track.exists >= least > self._missed(miss).exists
 
     def _missed(self, miss: Missed) -> Track:
         """Return the track of an anchor after a missed detection, given the solid that the picture shows in its place.
@@ -279,7 +283,6 @@ class Tracks:
             z=sighting.z if support is None else self.top(support),
             z_variance=sighting.z_sd_m**2 if support is None else stranger.z_variance,
             support=support,
-            met=1,
         )
 
     def _track(
@@ -314,7 +317,6 @@ class Tracks:
             support=sighting.support or track.support,
             places=(),
             rests=1.0,
-            met=track.met + 1,
             types=track.types.updated(sighting.detection.type_log_likelihood),
             colour=track.colour.updated(sighting.detection.rgb),
             z=track.z + gain * (sighting.z - track.z),

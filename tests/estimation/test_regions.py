@@ -230,28 +230,31 @@ def test_thing_that_was_taken_away_puzzles_no_more() -> None:
     assert robot.belief.prob_contents(REGION) > 0.9
 
 
-@pytest.mark.parametrize("looks", [0, 1, 2])
-def test_thing_that_was_met_for_sure_and_is_gone_may_be_wherever_nothing_was_before(looks: int) -> None:
+@pytest.mark.parametrize(("told", "looks"), [(True, 0), (True, 1), (False, 1), (False, 2)])
+def test_thing_that_was_there_for_sure_and_is_gone_may_be_wherever_nothing_was_before(told: bool, looks: int) -> None:
     other: Pose4 = (1.1, 3.0, 0.0, 0.0)
     regions = [
         PriorRegion(anchor=name, support=support, height_m=0.3, expected_objects=0.5)
         for name, support in (("_reg1_", "table1"), ("_reg2_", "table2"))
     ]
-    known = [thing("table2", "table", other, support=None), thing("can1", "soda", CANS[0][1], sd_m=0.02)]
+    known = [thing("table2", "table", other, support=None)]
+    known += [thing("can1", "soda", CANS[0][1], sd_m=0.02)] if told else []
+    name = "can1" if told else "_o1_"
     robot = Searcher(table_prior(objects=known, regions=regions), CANS[:1])
     robot.solids.append(Solid("table2", TYPES["table"], other))
     robot.look((0.1, 3.0, 1.5), (1.1, 3.0, TOP))
     empty = robot.belief.prob_contents("_reg2_")
     for _ in range(looks):
         robot.look(FRONT)
+    surest = robot.belief.prob_exists(name)
     del robot.solids[1]
-    while "can1" in robot.belief.anchors():
+    while name in robot.belief.anchors():
         assert robot.belief.prob_contents("_reg2_") == empty > 0.5
         robot.look(FRONT)
-    certain = looks >= EstimatorConfig().met
+    certain = surest >= EstimatorConfig().sure
     assert robot.belief.prob_contents("_reg2_") == (0.0 if certain else empty)
     assert robot.belief.prob_contents("_reg1_") > 0.5  # as the look shows that found it gone
-    assert [event.anchor for event in robot.belief.events if isinstance(event, Gone)] == ["can1"] * certain
+    assert [event.anchor for event in robot.belief.events if isinstance(event, Gone)] == [name] * certain
 
 
 @pytest.mark.parametrize("listed", [True, False])
