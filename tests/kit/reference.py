@@ -201,6 +201,10 @@ class Reference:
         match fluent:
             case Compound("b", (Compound("on", (o, s)), _)):
                 yield from self._place("place", None, o, s, "nothing", [fluent], errand=False)
+            case Compound("b", (Compound("off", (o, left)), _)):
+                for s in self.q.supports():
+                    if s != left:
+                        yield from self._place("place", None, o, s, "nothing", [fluent])
             case Compound("empty", (str(hand),)):
                 for o, s in itertools.product(self.q.in_hand(hand), self.q.supports()):
                     yield from self._place("place", None, o, s, "nothing", [fluent])
@@ -243,7 +247,7 @@ class Reference:
             [*results, compound("loose", o)],
             needs,
             costs,
-            destroys=[t(lost, o=o) for lost in loses],
+            destroys=[*(t(lost, o=o) for lost in loses), t("b(off({o},{s}),any)", o=o, s=s)],
             operation=compound("place", o, s),
             executes=executes,
         )

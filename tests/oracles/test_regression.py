@@ -120,8 +120,9 @@ def follow(found: Found, roots: Iterable[Subgoal], plain: Plain, level: int) -> 
 @given(scenes())
 @examples(25)
 def test_the_rules_give_the_instances_of_the_reference(at: PosedGoal) -> None:
-    """Every fluent that regression could come to, thousands in all."""
+    """Every fluent that regression could come to, thousands in all, and that an object leaves its place."""
     plain, waiting, seen = reference(at), [f for root in at.instantiations for f in root], set[Term]()
+    waiting += [parse_term(f"b(off({o},side),105361)") for o in at.situation.anchors()]
     while waiting:
         at.offers.prepare(waiting)
         needs = set[Term]()

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Final
 
 from skolem.traces.wording.amounts import spaced
+from skolem.traces.wording.facts import own, phi_clause
 from skolem.traces.wording.recorded import Recorded
 from skolem.traces.wording.things import Things
 
@@ -41,6 +42,26 @@ _VERBS: Final[dict[tuple[str, int], tuple[str, str, _Of]]] = {
         (("find", 4), ("find_obj", 3)),
         ("find", "finding", lambda t, a: f"{t.described(a[0])} in {t.region(a[1])}"),
     ),
+    **dict.fromkeys(
+        (("count_objs", 1), ("count", 3)), ("find out", "finding out", lambda t, a: f"whether {t.sentence(a[0])}")
+    ),
+    **dict.fromkeys(
+        (("the_obj", 2), ("only", 3)),
+        ("conclude", "concluding", lambda t, a: f"that {t.is_meant(*a[:2])}, and no other"),
+    ),
+    **dict.fromkeys(
+        (("refute_obj", 2), ("put_away", 4), ("put_right", 4)),
+        ("make sure", "making sure", lambda t, a: f"that {t.is_not_meant(*a[:2])}"),
+    ),
+    ("refute", 4): ("make sure", "making sure", lambda t, a: f"that {t.is_not_meant(a[0], a[2])}"),
+    **dict.fromkeys(
+        (("rule_out", 2), ("rule_out", 3)),
+        ("make sure", "making sure", lambda t, a: f"that {t.hides_none(*a[:2])}"),
+    ),
+    **dict.fromkeys(
+        (("believe_together", 2), ("both", 3)),
+        ("conclude", "concluding", lambda t, a: f"that {phi_clause(t, a[0])} and {phi_clause(t, a[1])}, both at once"),
+    ),
     **dict.fromkeys((("infer", 2), ("infer", 3)), ("conclude", "concluding", lambda t, a: f"that {t.has(a[1], a[0])}")),
     ("split", 3): ("sum up", "summing up", lambda t, a: f"that {t.has(a[1], *a[0].args)}"),
     **dict.fromkeys(
@@ -64,9 +85,3 @@ def doing(things: Things, term: Recorded) -> str:
     """Return an operation as a noun: `picking sodaC`; an unknown one as recorded."""
     known = verb(term)
     return f"{known[1]} {known[2](things, term.args)}" if known else own(things, term)
-
-
-def own(things: Things, term: Recorded) -> str:
-    """Return a term from a rule file as recorded, but with the names of its objects."""
-    inner = ", ".join(things.name(arg) for arg in term.args)
-    return f"{term.name}({inner})" if term.args else str(term)

@@ -7,30 +7,13 @@ from collections.abc import Callable, Iterable
 from typing import Final
 
 from skolem.traces.wording import amounts
-from skolem.traces.wording.activities import do, doing, own
-from skolem.traces.wording.amounts import spaced
+from skolem.traces.wording.activities import do, doing
+from skolem.traces.wording.facts import own, phi_clause
 from skolem.traces.wording.recorded import Recorded
 from skolem.traces.wording.things import Things
 
 _Clause = Callable[[Things, tuple[Recorded, ...]], str]
 
-_BELIEVED: Final[dict[tuple[str, int], _Clause]] = {  # the clause of the phi in b(phi, p)
-    ("den", 2): lambda t, a: t.is_meant(*a),
-    ("holds", 2): lambda t, a: t.has(a[1], *a[0].args),
-    ("prop", 2): lambda t, a: t.has(a[1], a[0]),
-    ("supposed", 2): lambda t, a: t.has(a[1], a[0]),
-    ("type", 2): lambda t, a: t.of_type(*a),
-    ("exists", 1): lambda t, a: f"{t.name(a[0])} exists",
-    ("on", 2): lambda t, a: f"{t.name(a[0])} is on {t.name(a[1])}",
-    ("near", 2): lambda t, a: f"{t.name(a[0])} is near {t.name(a[1])}",
-    ("contents", 1): lambda t, a: f"all that {t.region(a[0])} holds is known",
-    ("off", 2): lambda t, a: f"{t.name(a[0])} is not on {t.name(a[1])}",
-    ("unlike", 2): lambda t, a: f"{t.name(a[1])} is not {t.described(a[0])}",
-    ("none_in", 2): lambda t, a: f"{t.region(a[1])} hides nothing of what is meant",
-    ("holds_of_the_world", 1): lambda t, a: t.sentence(a[0]),
-    ("together", 2): lambda t, a: f"{_phi(t, a[0])} and {_phi(t, a[1])}",
-    ("exists_in", 2): lambda t, a: f"{t.described(a[0])} is hidden in {t.region(a[1])}",
-}
 _OTHERS: Final[dict[tuple[str, int], _Clause]] = {
     ("krd", 1): lambda t, a: f"{t.name(a[0])} {'has been found' if a[0].name == 'sk' else 'is known by name'}",
     ("differ", 2): lambda t, a: f"{t.name(a[0])} and {t.name(a[1])} are two objects",
@@ -53,21 +36,12 @@ def clause(things: Things, term: Recorded) -> str:
     """Return a fluent in words; an unknown one as recorded."""
     match term:
         case Recorded("b", (phi, bound)) if bound.number is not None:
-            return f"P({_phi(things, phi)}) >= {amounts.probability(bound.number)}"
+            return f"P({phi_clause(things, phi)}) >= {amounts.probability(bound.number)}"
         case Recorded("bn", (Recorded(quantity, (thing,)), mean, sd, tolerance, bound)) if bound.number is not None:
             said = f"{quantity} of {things.name(thing)} is {_known(things, quantity, mean, sd, tolerance)}"
             return f"P({said}) >= {amounts.probability(bound.number)}"
     other = _OTHERS.get((term.name, len(term.args)))
     return other(things, term.args) if other else own(things, term)
-
-
-def _phi(things: Things, phi: Recorded) -> str:
-    believed = _BELIEVED.get((phi.name, len(phi.args)))
-    if believed is not None:
-        return believed(things, phi.args)
-    if len(phi.args) == 2 and phi.name.endswith("_than"):
-        return f"{things.name(phi.args[0])} is {spaced(phi.name)} {things.name(phi.args[1])}"
-    return own(things, phi)
 
 
 def _known(things: Things, quantity: str, mean: Recorded, sd: Recorded, tolerance: Recorded) -> str:

@@ -7,6 +7,7 @@ from functools import cached_property
 from skolem.traces.messages import ColourMeaning
 from skolem.traces.wording.descriptions import Description, descriptions, predicate
 from skolem.traces.wording.recorded import Recorded
+from skolem.traces.wording.sentences import sentences
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,10 @@ class Things:
     def _descriptions(self) -> tuple[dict[str, Description], dict[str, str]]:
         return descriptions(self.goal)
 
+    @cached_property
+    def _sentences(self) -> dict[str, str]:
+        return sentences(self.goal)
+
     def name(self, term: Recorded) -> str:
         """Return the name of an object: its anchor, the variable of the goal, or `the green thing to be found`."""
         match term:
@@ -34,6 +39,8 @@ class Things:
                 described = self._descriptions[0].get(self._descriptions[1].get(variable, ""))
                 phrase = described.phrase(self.nouns) if described and described.words else ""
                 return f"{phrase if phrase and ' that is ' not in phrase else 'the object'} to be found"
+            case Recorded("sk", (Recorded("one_of", (_, number)),)) if number.number is not None:
+                return f"object {number.number + 1} to be found"
             case Recorded("sk", (_,)):
                 return "the object to be found"
             case Recorded("var", (Recorded(variable),)):
@@ -53,13 +60,38 @@ class Things:
 
     def sentence(self, constant: Recorded) -> str:
         """Return the clause that a sentence of the goal is true."""
-        return f"sentence {str(constant).removeprefix('s')} of the goal is true"
+        text = self._sentences.get(str(constant))
+        return "what the goal says of the world is true" if text is None else f'"{text}" is true'
 
     def is_meant(self, expression: Recorded, thing: Recorded) -> str:
         """Return the clause that an object is meant by a description."""
+        return self._meant(expression, thing, "is", "fits")
+
+    def is_not_meant(self, expression: Recorded, thing: Recorded) -> str:
+        """Return the clause that an object is not meant by a description."""
+        return self._meant(expression, thing, "is not", "does not fit")
+
+    def hides_none(self, expression: Recorded, region: Recorded) -> str:
+        """Return the clause that the unseen part of a region holds nothing of what is meant by a description."""
+        told = self._told(expression)
+        what = f"fits {told}" if told else "is meant"
+        return f"{self.region(region)} hides nothing that {what}"
+
+    def _meant(self, expression: Recorded, thing: Recorded, equals: str, fits: str) -> str:
         name = "the object to be found" if thing.name == "sk" else self.name(thing)
-        known = str(expression) in self._descriptions[0]
-        return f"{name} is {self.described(expression)}" if known else f"{name} is meant"
+        if str(expression) in self._descriptions[0]:
+            return f"{name} {equals} {self.described(expression)}"
+        told = self._told(expression)
+        return f"{name} {fits} {told}" if told else f"{name} {equals} meant"
+
+    def _told(self, expression: Recorded) -> str:
+        """Return where the goal tells of all objects of a kind: of which it means one, or which a sentence counts."""
+        whole, _, part = str(expression).rpartition("_")
+        if part == "any" and whole in self._descriptions[0]:
+            return f"the description of {self._descriptions[0][whole].phrase(self.nouns)}"
+        if part in ("any", "kind") and whole in self._sentences:
+            return f'what "{self._sentences[whole]}" {"counts" if part == "any" else "is about"}'
+        return ""
 
     def has(self, thing: Recorded, *words: Recorded) -> str:
         """Return the clause that an object has some properties."""
