@@ -5,7 +5,7 @@ The `Turn` that it returns records everything: plans, searches, and the action o
 May import: planning.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -16,7 +16,15 @@ from skolem.reasoner.planning.goals import Closest, PosedGoal, read_mutexes
 from skolem.reasoner.planning.hierarchy import Change, PlanStack
 from skolem.reasoner.planning.instances import Instance, title
 from skolem.reasoner.planning.presuppositions import nothing, several
-from skolem.reasoner.planning.refusals import IMPOSSIBLE, IN_VAIN, NOT_FOUND, SPENT, UNLIKELY, Refusals, weakest
+from skolem.reasoner.planning.refusals import (
+    IMPOSSIBLE,
+    IN_VAIN,
+    NOT_ENOUGH,
+    NOT_FOUND,
+    SPENT,
+    Refusals,
+    why_none,
+)
 from skolem.reasoner.planning.regression import Found, Step, Subgoal, regress
 from skolem.reasoner.planning.remembering import recalled, remembered
 from skolem.reasoner.protocols import BeliefQueries, Geometry
@@ -235,7 +243,7 @@ class Agent:
             self._stack.push(found.steps)
             turn.plans.append(self._stack.message(step, Change(cause)))
             return ""
-        self._in_vain[search] = _why_none(found, met)
+        self._in_vain[search] = why_none(found.exhausted, found.priced_out, met)
         return self._in_vain[search]
 
     def _decision(self, step: int, roots: tuple[Subgoal, ...], found: Found, calls: int, atoms: int) -> Decision:
@@ -263,15 +271,14 @@ class Agent:
 
     def _execute(self, turn: Turn, step: int, current: Step) -> None:
         executes = current.instance.executes
-        if executes is not None and (objection := self.posed.situation.objection(executes)) is not None:
+        if executes is None:
+            self._drop_inference(turn, step, current)
+            return
+        if (objection := self.posed.situation.objection(executes)) is not None:
             lacking, self._objections[current.instance.step] = objection
             self._refuse(turn, step, current, IMPOSSIBLE, lacking)
             return
-        if executes is None and (new := self._needed_since(current)):
-            self._stack.pop()
-            turn.plans.append(self._stack.message(step, Change("preimage_lost", new)))
-            return
-        command = None if executes is None else self._command(executes)
+        command = self._command(executes)
         if self._attempts.is_hopeless(executes):
             self._refuse(turn, step, current, IN_VAIN)
         elif command is None:
@@ -285,6 +292,14 @@ class Agent:
                 args=_objects(current.instance.executes),
                 command=command,
             )
+
+    def _drop_inference(self, turn: Turn, step: int, current: Step) -> None:
+        """Drop the plan of an inference that gives nothing though all holds that it needed when it was planned."""
+        if new := self._needed_since(current):
+            self._stack.pop()
+            turn.plans.append(self._stack.message(step, Change("preimage_lost", new)))
+        else:
+            self._refuse(turn, step, current, NOT_ENOUGH)
 
     def _needed_since(self, current: Step) -> tuple[Term, ...]:
         """Return what an inference needs now, but did not when it was planned: an object may have been found since."""
@@ -376,10 +391,3 @@ def _objects(command: Term | None) -> tuple[str, ...]:
     if command.name == "move":
         return _objects(command.args[0])
     return tuple(str(a) for a in (command.args[1:] if command.name == "pick" else command.args))
-
-
-def _why_none(found: Found, met: Iterable[str]) -> str:
-    """Return in words why a search found no plan; `met` are the reasons for which it left out steps."""
-    if not found.exhausted:
-        return NOT_FOUND
-    return weakest([*met, UNLIKELY] if found.priced_out else met)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from skolem.reasoner.language.descriptions import Lambda
 from skolem.reasoner.language.expressions import Sentence
 from skolem.reasoner.meaning.literals import Alternatives, Literals
+from skolem.reasoner.meaning.related import Related, related
 from skolem.reasoner.meaning.statements import Statement, statement
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.traces.messages import Meaning
@@ -32,6 +33,23 @@ class Counted:
     unless_on: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Witnessed:
+    """A description by a relation to another object, the witness, by the constants of descriptions.
+
+    Attributes:
+        relation: The relation.
+        from_witness: Whether the witness is its first argument.
+        itself: What else is said of the described object; None if nothing is.
+        witness: What is said of the witness; None if nothing is.
+    """
+
+    relation: str
+    from_witness: bool
+    itself: str | None
+    witness: str | None
+
+
 @dataclass(slots=True)
 class Universe:
     """The descriptions of a goal by constant.
@@ -39,21 +57,34 @@ class Universe:
     Attributes:
         descriptions: Every description; `e1_any` is that of all objects of which `e1` means the only one.
         counted: What a sentence, or a description that means the only such object, says of how many there are.
+        witnessed: The descriptions that ask for a witness.
         true, false: The minimal sets of properties that make a description true or false of an object.
         meanings: The meaning of each property.
     """
 
     descriptions: dict[str, Lambda] = field(default_factory=dict)
     counted: dict[str, Counted] = field(default_factory=dict)
+    witnessed: dict[str, Witnessed] = field(default_factory=dict)
     true: dict[str, Alternatives] = field(default_factory=dict)
     false: dict[str, Alternatives] = field(default_factory=dict)
     meanings: Mapping[str, Meaning] = field(default_factory=dict)
 
     @classmethod
     def of(
-        cls, expressions: Mapping[str, Lambda], sentences: Mapping[str, Sentence], vocabulary: Vocabulary
+        cls,
+        expressions: Mapping[str, Lambda],
+        sentences: Mapping[str, Sentence],
+        vocabulary: Vocabulary,
+        witnesses: bool = True,
     ) -> "Universe":
-        """Return the descriptions that a goal's own descriptions and sentences lead to."""
+        """Return the descriptions that a goal's own descriptions and sentences lead to.
+
+        Args:
+            expressions: The descriptions of the goal.
+            sentences: Its sentences.
+            vocabulary: The words.
+            witnesses: Whether witnesses are looked for; otherwise relations count as settled, as in the paper.
+        """
         found, literals = cls(), Literals(vocabulary)
         for name, description in expressions.items():
             found._add(name, description, literals)
@@ -61,10 +92,13 @@ class Universe:
                 found._add(f"{name}_any", replace(description, kind="lambda"), literals)
                 found.counted[name] = Counted(1, 1, f"{name}_any", f"{name}_any")
                 found.true[name] = ()
+        for name, description in list(found.descriptions.items()) if witnesses else ():
+            if description.kind == "lambda" and (said := related(description)) is not None:
+                found.witnessed[name] = found._witnessed(name, said, literals)
+                found.true[name] = ()
         for name, sentence in sentences.items():
-            said = statement(sentence.body)
-            if said is not None:
-                found.counted[name] = found._counted(name, said, literals)
+            if (counted := statement(sentence.body)) is not None:
+                found.counted[name] = found._counted(name, counted, literals)
         found.meanings = literals.meanings
         return found
 
@@ -79,6 +113,11 @@ class Universe:
         if said.on and said.kind:
             kind = self._add(f"{name}_kind", said.kind, literals)
         return Counted(said.low, said.high, fitting, kind, said.on, said.unless_on)
+
+    def _witnessed(self, name: str, said: Related, literals: Literals) -> Witnessed:
+        itself = self._add(f"{name}_itself", said.itself, literals) if said.itself else None
+        witness = self._add(f"{name}_witness", said.witness, literals) if said.witness else None
+        return Witnessed(said.relation, said.from_witness, itself, witness)
 
     def about(self, description: str) -> Counted | None:
         """Return what is counted by a description that objects fit; None if none is."""

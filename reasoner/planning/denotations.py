@@ -35,7 +35,7 @@ class Denotations:
     def __init__(self, goal: Goal, rulebook: Rulebook) -> None:
         self._vocabulary = rulebook.vocabulary
         self._by_worlds, self._key = goal.evaluation == "worlds", str(goal)
-        self.universe = Universe.of(goal.expressions, goal.sentences, self._vocabulary)
+        self.universe = Universe.of(goal.expressions, goal.sentences, self._vocabulary, self._by_worlds)
         self.circuits: dict[str, Circuit] = {
             name: compile_description(found, rulebook) for name, found in self.universe.descriptions.items()
         }
@@ -56,9 +56,9 @@ class Denotations:
     # ------------------------------------------------------------ probabilities
 
     def probabilities(self, expression: str, belief: GroundBeliefs) -> Mapping[str, float]:
-        """Return P(Den) for every anchor; the least that it can be where it is not known exactly."""
+        """Return P(Den) for every anchor; the middle of its bounds where it is not known exactly."""
         if self._by_worlds:
-            return {anchor: found.low for anchor, found in self._worlds.table(expression, belief).items()}
+            return {anchor: found.middle for anchor, found in self._worlds.table(expression, belief).items()}
         if belief.version != self._version:
             self._version, self._products = belief.version, {}
         if expression not in self._products:
@@ -66,8 +66,8 @@ class Denotations:
         return self._products[expression]
 
     def probability(self, expression: str, anchor: str, belief: GroundBeliefs) -> float:
-        """Return P(Den), the least that it can be; 0 for an unknown anchor."""
-        return self.interval(Compound("den", (expression, anchor)), belief).low
+        """Return P(Den), the middle of its bounds; 0 for an unknown anchor."""
+        return self.interval(Compound("den", (expression, anchor)), belief).middle
 
     def interval(self, phi: Term, belief: GroundBeliefs, at_least: float | None = None) -> Interval:
         """Return the bounds between which the probability of a statement lies.

@@ -14,6 +14,7 @@ from skolem.reasoner.meaning.universe import Universe
 from skolem.reasoner.planning import gaussians
 from skolem.reasoner.planning.bands import band, expected
 from skolem.reasoner.planning.counting import Counting
+from skolem.reasoner.planning.relating import Relating
 from skolem.reasoner.planning.situation import Situation, hand_named, quantity_named
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.reasoner.terms import Compound, Term, nll, prob
@@ -24,7 +25,7 @@ DEFAULTS: Final = Limits()
 Alternatives = Mapping[str, tuple[tuple[str, ...], ...]]  # expression -> sets of properties, each enough for it
 
 
-class Queries(Counting):
+class Queries(Counting, Relating):
     """Answers for one situation.
 
     Attributes:

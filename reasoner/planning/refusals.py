@@ -11,6 +11,7 @@ IMPOSSIBLE: Final = "found impossible in the believed world"
 UNLIKELY: Final = "too unlikely in detail"
 NOT_FOUND: Final = "not found in detail within the limits"
 SPENT: Final = "budget of the motion planner spent"
+NOT_ENOUGH: Final = "not believed yet though all that the rules ask for holds"
 IN_VAIN: Final = "without a way but by what had no success"  # every other way was shown to be impossible
 _OF_LIMITS: Final = (SPENT, NOT_FOUND)
 
@@ -20,7 +21,20 @@ def weakest(reasons: Iterable[str]) -> str:
     met = set(reasons)
     if met.intersection(_OF_LIMITS):
         return NOT_FOUND
-    return next((reason for reason in (UNLIKELY, IN_VAIN) if reason in met), IMPOSSIBLE)
+    return next((reason for reason in (UNLIKELY, IN_VAIN, NOT_ENOUGH) if reason in met), IMPOSSIBLE)
+
+
+def why_none(exhausted: bool, priced_out: bool, met: Iterable[str]) -> str:
+    """Return why a search found no plan.
+
+    Args:
+        exhausted: Whether it has tried all that there is.
+        priced_out: Whether it left out steps for their cost.
+        met: The reasons for which it left out other steps.
+    """
+    if not exhausted:
+        return NOT_FOUND
+    return weakest([*met, UNLIKELY] if priced_out else met)
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,7 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "infer",  # from descriptions to properties to quantities
     "find",  # from descriptions to regions
     "count",  # from numbers of objects to descriptions
+    "witness",  # from relations to what can be looked at
     "refute",  # how the robot comes to know that an object, or a hidden one, does not fit
     "together",  # from what holds in one world to its parts
     "look",

@@ -55,6 +55,12 @@ _VERBS: Final[dict[tuple[str, int], tuple[str, str, _Of]]] = {
     ),
     ("refute", 4): ("make sure", "making sure", lambda t, a: f"that {t.is_not_meant(a[0], a[2])}"),
     **dict.fromkeys(
+        (("witness_obj", 3), ("witness", 4)),
+        ("find out", "finding out", lambda t, a: f"whether {t.is_meant(*a[:2])} because of {t.name(a[2])}"),
+    ),
+    ("see_both", 2): ("see", "seeing", lambda t, a: f"how {t.name(a[0])} and {t.name(a[1])} stand"),
+    ("see", 4): ("see", "seeing", lambda t, a: f"how {t.name(a[1])} and {t.name(a[2])} stand"),
+    **dict.fromkeys(
         (("rule_out", 2), ("rule_out", 3)),
         ("make sure", "making sure", lambda t, a: f"that {t.hides_none(*a[:2])}"),
     ),

@@ -24,7 +24,7 @@ def described(text: str) -> Lambda:
 
 
 def denotations_of(text: str) -> Denotations:
-    return Denotations(Goal((), (Believed(Den(described(text), Name("a")), 0.9),)), BOOK)
+    return Denotations(Goal((), (Believed(Den(described(text), Name("a")), 0.9),), evaluation="independent"), BOOK)
 
 
 def value(text: str, belief: Table) -> dict[str, float]:
