@@ -102,6 +102,8 @@ def test_the_rules_use_no_other_fluents_and_no_operator_without_words() -> None:
         "infer": "(green,o)",
         "place": "(o,s)",
         "count_objs": "(s1)",
+        "witness_obj": "(e1,o,p)",
+        "see_both": "(o,p)",
         "the_obj": "(e1,o)",
         "refute_obj": "(e1_any,o)",
         "rule_out": "(e1_any,_reg1_)",
