@@ -15,7 +15,7 @@ from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import Closest, PosedGoal, read_mutexes
 from skolem.reasoner.planning.hierarchy import Change, PlanStack
 from skolem.reasoner.planning.instances import Instance, title
-from skolem.reasoner.planning.presuppositions import nothing, several
+from skolem.reasoner.planning.presuppositions import nothing, several, vacuous
 from skolem.reasoner.planning.refusals import (
     IMPOSSIBLE,
     IN_VAIN,
@@ -111,7 +111,8 @@ class Agent:
         self.take_stock()
         turn = Turn(closest=self.posed.closest(), denotation=self._denotation(step))
         if self.posed.achieved() is not None:
-            self._finish(turn, step, "goal_achieved", "every conjunct of the goal is believed")
+            of_nothing = vacuous(self._goal, self.denotations, self._belief)
+            self._finish(turn, step, "goal_achieved", "every conjunct of the goal is believed" + of_nothing)
         elif failed := several(self._goal, self.denotations, self._belief):
             self._finish(turn, step, *failed)
         elif step >= self._limits.steps:

@@ -6,7 +6,7 @@ What a probability is, the goal says: the share of the possible worlds of the be
 from collections.abc import Mapping
 from typing import Final
 
-from skolem.reasoner.language.descriptions import Count, Exists, Lambda, Not
+from skolem.reasoner.language.descriptions import Count, Every, Exists, Lambda, Not
 from skolem.reasoner.language.expressions import Goal, Sentence
 from skolem.reasoner.meaning.literals import Alternatives
 from skolem.reasoner.meaning.universe import Universe
@@ -39,7 +39,7 @@ class Denotations:
         self.circuits: dict[str, Circuit] = {
             name: compile_description(found, rulebook) for name, found in self.universe.descriptions.items()
         }
-        sentences = dict(goal.sentences) | _numbers(goal.expressions)
+        sentences = dict(goal.sentences) | _numbers(goal.expressions) | _nothing(goal.sentences)
         self.circuits |= {name: compile_sentence(sentence, rulebook) for name, sentence in sentences.items()}
         self._worlds = Evaluator(self.circuits, self._vocabulary, self._key)
         self._constants = {description: name for name, description in goal.expressions.items()}
@@ -99,6 +99,11 @@ class Denotations:
         """Return the probability of each property in the description, for explanations."""
         return {name: belief.prob_property(anchor, self.meanings[name]) for name in self.circuits[expression].props}
 
+    def vacuous(self, sentence: str, belief: GroundBeliefs) -> float:
+        """Return P(there is no object of which a sentence speaks); 0 if it does not speak of every object of a kind."""
+        name = f"{sentence}_nothing"
+        return self._worlds.sentence(name, belief).low if name in self.circuits else 0.0
+
     # ------------------------------------------------------------ the only one
 
     def any_such(self, description: Lambda) -> str:
@@ -120,6 +125,15 @@ def _numbers(expressions: Mapping[str, Lambda]) -> dict[str, Sentence]:
             found[f"{name}_none"] = Sentence(Not(Exists(each.variable, each.body)))
             found[f"{name}_one"] = Sentence(Count("exactly", 1, each.variable, each.body))
     return found
+
+
+def _nothing(sentences: Mapping[str, Sentence]) -> dict[str, Sentence]:
+    """Return the sentence that there is nothing, for each sentence about every object of a kind."""
+    return {
+        f"{name}_nothing": Sentence(Not(Exists(said.variable, said.condition)))
+        for name, sentence in sentences.items()
+        if isinstance(said := sentence.body, Every)
+    }
 
 
 def _parts(phi: Term) -> tuple[Term, ...]:

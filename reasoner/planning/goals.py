@@ -265,8 +265,17 @@ def _subject(root: Subgoal, anchors: tuple[str, ...]) -> str | None:
     """Return the object of the first fluent, by text, that is a belief about a known object."""
     for fluent in sorted(root, key=str):
         match fluent:
-            case Compound("b" | "bn", (Compound(_, args), *_)) | Compound("krd", args):
-                named = [a for a in args if a in anchors]
-                if named:
-                    return str(named[0])
+            case Compound("b" | "bn", (phi, *_)) | (Compound("krd") as phi):
+                if named := [a for a in _constants(phi) if a in anchors]:
+                    return named[0]
     return None
+
+
+def _constants(phi: Term) -> Iterator[str]:
+    """Yield the constants of a statement, in order; also those of statements that it joins."""
+    if isinstance(phi, Compound):
+        for argument in phi.args:
+            if isinstance(argument, str):
+                yield argument
+            elif phi.name == "together":
+                yield from _constants(argument)

@@ -7,7 +7,7 @@ presupposition fails, and the run says so.
 from collections.abc import Iterator
 
 from skolem.reasoner.language.descriptions import Lambda
-from skolem.reasoner.language.expressions import Believed, Den, Goal, parts_of
+from skolem.reasoner.language.expressions import Believed, Den, Goal, Sentence, parts_of
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.protocols import BeliefQueries
 from skolem.traces.messages import RunStatus
@@ -44,6 +44,18 @@ def nothing(goal: Goal, denotations: Denotations, belief: BeliefQueries) -> Fail
             looked = f"; regions that were told of: {regions}" if regions else ""
             return "no_referent", f"nothing is {description} (P = {none:.3f}){looked}"
     return None
+
+
+def vacuous(goal: Goal, denotations: Denotations, belief: BeliefQueries) -> str:
+    """Return which sentences are believed to be true of nothing, as a continued sentence."""
+    constants = {sentence: name for name, sentence in goal.sentences.items()}
+    said = ""
+    for conjunct in goal.conjuncts:
+        if isinstance(conjunct, Believed) and isinstance(conjunct.phi, Sentence):
+            p = denotations.vacuous(constants[conjunct.phi], belief)
+            if p >= conjunct.p:
+                said += f"; true of nothing: {conjunct.phi} (P that there is no such object = {p:.3f})"
+    return said
 
 
 def _meant(goal: Goal) -> Iterator[tuple[Lambda, float]]:

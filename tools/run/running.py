@@ -111,9 +111,11 @@ def verdict_lines(outcome: Outcome, status: RunStatus, reason: str, trace: Path,
     if outcome.end is None:
         lines.append(f"{'interrupted' if status == 'interrupted' else f'internal error: {reason}'}; {counts}")
     else:
-        about = f"{outcome.end.anchor or 'no object'}, p = {outcome.end.goal_probability:.3f}"
-        said = "goal believed achieved" if status == "goal_achieved" else f"goal not achieved: {words.sentence(reason)}"
-        best = about if status == "goal_achieved" else f"best candidate {about}"
+        achieved, p = status == "goal_achieved", f"p = {outcome.end.goal_probability:.3f}"
+        about = f"{outcome.end.anchor}, {p}" if outcome.end.anchor else p
+        _, also, more = reason.partition("; ")
+        said = f"goal believed achieved{also}{more}" if achieved else f"goal not achieved: {words.sentence(reason)}"
+        best = about if achieved else f"best candidate {outcome.end.anchor or 'no object'}, {p}"
         lines.append(f"{said}; {best}; {counts}")
         if status != "goal_achieved":
             lines += explanation(outcome.end)
