@@ -1,4 +1,4 @@
-"""Goals about numbers of objects: achieved by moving and looking, vacuous truth is announced, `the` needs one referent."""
+"""Goals about numbers of objects: reached by moving and looking, true of nothing, and those about the only one."""
 
 import pytest
 from kit.recordings import recorded
@@ -18,8 +18,8 @@ def ended(goal: str, scenario: str = "illustrative") -> tuple[RunEnd, Verdict, l
     [
         "exists o. B(Den(lambda x. Can(x) & not Green(x), o), 0.9) & B(On(o, desk), 0.9)",
         "exists o. B(Den(lambda x. Can(x), o) & On(o, desk), 0.9)",
-        "exists distinct o, p. B(Den(lambda x. Can(x), o), 0.9) & B(On(o, desk), 0.9) & B(Den(lambda x. Can(x), p), 0.9)"
-        " & B(On(p, desk), 0.9)",
+        "exists distinct o, p. B(Den(lambda x. Can(x), o), 0.9) & B(On(o, desk), 0.9)"
+        " & B(Den(lambda x. Can(x), p), 0.9) & B(On(p, desk), 0.9)",
         "B(at least 2 x. Can(x) & On(x, desk), 0.9)",
         "B(every x. Can(x) -> On(x, desk), 0.85)",
         "B(not exists x. Green(x) & On(x, table), 0.85)",
