@@ -6,6 +6,7 @@ a second interpretation of the rules. `X = @query(..)` is recorded; `not` and ot
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import clingo
@@ -83,7 +84,7 @@ def _derived(rulebook: Rulebook, queries: object, facts: Sequence[Term]) -> _Not
                 for statement in statements:
                     if statement.ast_type is not ASTType.ShowSignature:
                         builder.add(statement)
-                    for noted in _noted(statement, number):
+                    for noted in _noted(statement, number, statement.location.begin.line):
                         builder.add(noted)
         text = "".join(f"#defined {name}/{arity}. " for name, arity in sorted(INPUT))
         ast.parse_string(text + "".join(f"{fact}. " for fact in facts), builder.add)
@@ -119,22 +120,23 @@ class _Context:
         return call
 
 
-def _noted(statement: AST, number: int) -> Iterable[AST]:
-    """Yield the rule that records the head and the body of a rule."""
+@lru_cache(1 << 12)  # every fluent that is asked about takes the same rules; equal ones may stand at several lines
+def _noted(statement: AST, number: int, line: int) -> tuple[AST, ...]:
+    """Return the rule that records the head and the body of a rule; nothing for what is no rule."""
     if statement.ast_type is not ASTType.Rule:
-        return
+        return ()
     where = statement.location
     wildcards = _Wildcards()
     body = [wildcards.visit(e) if _is_positive(e) else e for e in statement.body]
     premises = [premise for element in body if _is_positive(element) for premise in _premises(element)]
     args = [
         ast.SymbolicTerm(where, clingo.Number(number)),
-        ast.SymbolicTerm(where, clingo.Number(where.begin.line)),
+        ast.SymbolicTerm(where, clingo.Number(line)),
         statement.head.atom.symbol,
         ast.Function(where, "", premises, 0),
     ]
     head = ast.Literal(where, Sign.NoSign, ast.SymbolicAtom(ast.Function(where, _NOTE, args, 0)))
-    yield ast.Rule(where, head, body)
+    return (ast.Rule(where, head, body),)
 
 
 class _Wildcards(ast.Transformer):
