@@ -2,8 +2,9 @@
 #
 #   make demo    install, then run the first scenario
 #   make test    install, then run the tests
-#   make check   formatter, linter, types, tests, fuzz, a wheel in an empty environment, docs: what a change must pass
-#   make fuzz    property tests on fresh examples; it prints the seed that draws the same ones again
+#   make check   formatter, linter, types, tests, laws, a wheel in an empty environment, docs: what a change must pass
+#   make laws    property tests on fresh examples; it prints the seed that draws the same ones again
+#   make fuzz    a campaign of generated inputs, which resumes; writes docs/robustness.md (a quarter of an hour)
 #   make docs    the reference of public names, from their docstrings, into out/site
 #   make bench   measure reasoner and estimator beside their peers, into docs/benchmarks.md (about a quarter of an hour)
 #   make lowest  part of the tests with the lowest versions that pyproject.toml allows, into build/lowest
@@ -27,9 +28,10 @@ SEED := 0
 WORKERS ?= 2
 DRAWS ?= $(shell echo $$RANDOM$$RANDOM)
 EXAMPLES ?= 10
+SECONDS_OF_FUZZ ?= 900
 TRACE := out/$(basename $(notdir $(SCENARIO)))-$(SEED).mcap
 
-.PHONY: help setup demo test fuzz check lint wheel docs bench lowest lock clean
+.PHONY: help setup demo test laws fuzz check lint wheel docs bench lowest lock clean
 
 help:
 	@sed -n '3,$${/^#/!q;s/^# \{0,1\}//p}' Makefile
@@ -65,12 +67,15 @@ test: setup
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
 
 # Draws are random here alone: everywhere else the same inputs give the same bytes.
-fuzz: DRAWS := $(DRAWS)
-fuzz: setup
-	@echo "property tests on fresh examples, $(EXAMPLES) for every 100 of the tests'; again: make fuzz DRAWS=$(DRAWS) EXAMPLES=$(EXAMPLES)"
+laws: DRAWS := $(DRAWS)
+laws: setup
+	@echo "property tests on fresh examples, $(EXAMPLES) for every 100 of the tests'; again: make laws DRAWS=$(DRAWS) EXAMPLES=$(EXAMPLES)"
 	EXAMPLES=$(EXAMPLES) $(BIN)/python -m pytest -q -n $(WORKERS) -m hypothesis --hypothesis-profile=fresh --hypothesis-seed=$(DRAWS)
 
-check: lint test fuzz wheel docs
+fuzz: setup
+	PYTHONPATH=tests:. $(BIN)/python -m benchmarks.robustness --seconds $(SECONDS_OF_FUZZ)
+
+check: lint test laws wheel docs
 
 lint: setup
 	$(BIN)/ruff format --check .

@@ -23,7 +23,7 @@ settings.register_profile(
     "fresh",
     settings.get_profile("reproducible"),
     derandomize=False,
-    database=None,  # the seed alone decides what is drawn: `make fuzz` prints it
+    database=None,  # the seed alone decides what is drawn: `make laws` prints it
     max_examples=int(os.environ.get("EXAMPLES", "10")),
 )
 settings.load_profile("reproducible")

@@ -1,4 +1,4 @@
-"""The number of examples of a property test. Tests draw the same ones in every run; `make fuzz` draws fresh ones."""
+"""The number of examples of a property test. Tests draw the same ones in every run; `make laws` draws fresh ones."""
 
 from hypothesis import settings
 
