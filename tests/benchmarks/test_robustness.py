@@ -8,12 +8,12 @@ from pathlib import Path
 from random import Random
 
 import pytest
+
 from benchmarks.robustness import trying
 from benchmarks.robustness.__main__ import BAD, campaign, drawn, page
 from benchmarks.robustness.inputs import KINDS, Case
 from benchmarks.robustness.trying import ENDINGS, tried
 from benchmarks.robustness.values import changed, garbled, places
-
 from skolem.tools import cli
 
 SHORT_S = 30
