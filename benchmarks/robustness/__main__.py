@@ -5,6 +5,7 @@ counts are kept in a file. Inputs that end badly are kept beside it.
 """
 
 import argparse
+import itertools
 import json
 import tempfile
 import time
@@ -27,8 +28,8 @@ def drawn(kind: str, seed: int, number: int, folder: Path) -> Case:
     return KINDS[kind](Random(f"{seed} {kind} {number}"), folder)
 
 
-def campaign(state: Path, seed: int, seconds: float, kinds: Sequence[str]) -> Counts:
-    """Try inputs of each kind in turn until the time is over; return the counts of all campaigns with this state."""
+def campaign(state: Path, seed: int, seconds: float, kinds: Sequence[str], rounds: int | None = None) -> Counts:
+    """Try inputs of each kind in turn until time or rounds are over; return the counts of all campaigns so far."""
     for module in LOADED:  # once, not in every child
         import_module(f"skolem.tools.{module}")
     counts: Counts = {}
@@ -36,7 +37,9 @@ def campaign(state: Path, seed: int, seconds: float, kinds: Sequence[str]) -> Co
         known = json.loads(state.read_text(encoding="utf-8"))
         seed, counts = known["seed"], known["counts"]
     until = time.monotonic() + seconds
-    while time.monotonic() < until:
+    for _ in itertools.count() if rounds is None else range(rounds):
+        if time.monotonic() >= until:
+            break
         for kind in kinds:
             of_kind = counts.setdefault(kind, dict.fromkeys(ENDINGS, 0))
             number = sum(of_kind.values())

@@ -11,19 +11,28 @@ import pytest
 
 from benchmarks.robustness import trying
 from benchmarks.robustness.__main__ import BAD, campaign, drawn, page
-from benchmarks.robustness.inputs import KINDS, Case
+from benchmarks.robustness.inputs import KINDS, ROOT, Case
 from benchmarks.robustness.trying import ENDINGS, tried
 from benchmarks.robustness.values import changed, garbled, places
 from skolem.tools import cli
 
-SHORT_S = 30
+ROUNDS = 12  # of one input of each kind: the same in every run
 
 
 def test_no_input_of_a_short_campaign_ends_badly(tmp_path: Path) -> None:
-    counts = campaign(tmp_path / "state.json", seed=1, seconds=SHORT_S, kinds=list(KINDS))
+    counts = campaign(tmp_path / "state.json", seed=1, seconds=600, kinds=list(KINDS), rounds=ROUNDS)
     found = [json.loads(case.read_text()) for case in sorted(tmp_path.glob("found/*/case.json"))]
     assert (found, {ending: 0 for ending in BAD}) == ([], {e: sum(c[e] for c in counts.values()) for e in BAD})
     assert list(counts) == list(KINDS)
+
+
+@pytest.mark.xfail(reason="@searchable asks of a relation with an object that is still to be found", strict=False)
+def test_a_described_neighbour_of_a_table_can_be_searched_for() -> None:
+    """Found by the campaign."""
+    goal = "exists o. B(Den(lambda x. exists y. (Near(x, y) & Near(y, table1)), o), 0.8)"
+    scenario = (ROOT / "scenarios" / "occluded.yaml").read_bytes()
+    options = ("--world", "symbolic", "-q", "--set", f"goal={goal}", "--max-steps", "2", "-o", "a.mcap")
+    assert tried(Case(("run", "s.yaml", *options), {"s.yaml": scenario})).ending == "verdict"
 
 
 def test_a_campaign_goes_on_where_it_was_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
