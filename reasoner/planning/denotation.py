@@ -21,7 +21,7 @@ from skolem.reasoner.worlds.circuits import Circuit, Either, EitherOver, Leaf, N
 from skolem.traces.errors import InternalError
 from skolem.traces.messages import Meaning
 
-STRANGER: Final = "_new_"  # an object that is not met yet
+STRANGER: Final = "_new0_"  # an object that is not met yet
 
 
 def evaluate(circuit: Circuit, belief: GroundBeliefs, vocabulary: Vocabulary) -> dict[str, float]:

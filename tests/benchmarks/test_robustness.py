@@ -26,7 +26,6 @@ def test_no_input_of_a_short_campaign_ends_badly(tmp_path: Path) -> None:
     assert list(counts) == list(KINDS)
 
 
-@pytest.mark.xfail(reason="@searchable asks of a relation with an object that is still to be found", strict=False)
 def test_a_described_neighbour_of_a_table_can_be_searched_for() -> None:
     """Found by the campaign."""
     goal = "exists o. B(Den(lambda x. exists y. (Near(x, y) & Near(y, table1)), o), 0.8)"
