@@ -29,15 +29,14 @@ from skolem.estimation.events import (
     canonical_order,
 )
 from skolem.estimation.extrinsics import expected_look
-from skolem.estimation.fluents import JointRelations, disc, joint_relations, prob_in_polygon, rectangle
+from skolem.estimation.fluents import JointRelations, joint_relations, prob_near, prob_on
 from skolem.estimation.identity import Identity
 from skolem.estimation.looking import Look
 from skolem.estimation.places import believed_places, is_beside, is_sought, sought
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
 from skolem.estimation.regions import Regions
-from skolem.estimation.se2 import Matrix, Vector, turned, upper
+from skolem.estimation.se2 import Matrix, Vector, upper
 from skolem.estimation.tracks import Track, Tracks
-from skolem.estimation.visibility import outline_radius
 from skolem.estimation.weight import WeightBelief
 from skolem.traces import messages
 from skolem.traces.errors import InternalError
@@ -216,31 +215,22 @@ class Belief:
 
     def prob_on(self, anchor: str, support: str) -> float:
         """P(the object rests wholly on the top of `support`), given that both exist; 0 while a hand holds it."""
-        track, below = self._tracks.get(anchor), self._tracks.get(support)
-        if track is None or below is None or track.hand or below.hand or track.support != support:
-            return 0.0
-        if not self._tracks.rests_at(track.z, track.z_variance, support):
-            return 0.0
-        size = self._tracks.kind(support).size_m
-        margin = 2.0 * outline_radius(self._tracks.kind(anchor))
-        if min(size[0], size[1]) <= margin:
-            return 0.0
-        support_T_object, covariance = self._relation(support, anchor)
-        inside = turned(covariance, support_T_object[2])[:2, :2]
-        free = rectangle((size[0] - margin, size[1] - margin))
-        return track.rests * prob_in_polygon(np.array(support_T_object[:2]), inside, free)
+        return prob_on(anchor, support, self._tracks, self._graph, self._relation, earlier=False)
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
         """P(the middles of two objects are at most `distance_m` apart in the plane), given that both exist.
 
         It is 0 while a hand holds one of them.
         """
-        if anchor == other:
-            return 1.0
-        pair = (self._tracks.get(anchor), self._tracks.get(other))
-        if any(track is None or track.hand for track in pair):
-            return 0.0
-        return prob_in_polygon(*self._graph.apart(other, anchor), disc(distance_m))
+        return prob_near(anchor, other, distance_m, self._tracks, self._graph, earlier=False)
+
+    def prob_was_on(self, anchor: str, support: str) -> float:
+        """`prob_on` of the time before the robot first picked the objects, by all evidence since."""
+        return prob_on(anchor, support, self._tracks, self._graph, self._relation, earlier=True)
+
+    def prob_was_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """`prob_near` of the time before the robot first picked the objects, by all evidence since."""
+        return prob_near(anchor, other, distance_m, self._tracks, self._graph, earlier=True)
 
     def regions(self) -> tuple[str, ...]:
         """Every region of space that can be searched, in order of introduction."""

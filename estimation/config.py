@@ -75,6 +75,8 @@ class EstimatorConfig:
         same_sd_m: Sd of the distance between the places of two anchors of one object, each axis.
         consolidate_after: Number of drives and looks after which the past is summed up; usual runs are shorter.
         coupled: Greatest number of variables that one factor of the sum couples; larger matrices take too long.
+        remembers: Whether the past is summed up without the poses from which objects were first picked. A goal that
+            speaks of the start asks for them.
         least_sd: Floor of every sd in the graph, metres or radians. It keeps the information matrix well conditioned.
             No sensor resolves a tenth of a millimetre.
     """
@@ -137,4 +139,5 @@ class EstimatorConfig:
     same_sd_m: float = 1e-3
     consolidate_after: int = 100
     coupled: int = 30
+    remembers: bool = False
     least_sd: float = 1e-4

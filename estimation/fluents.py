@@ -5,7 +5,7 @@ of the poses. So one standard normal vector, through the Cholesky factor of the 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from scipy.special import ndtri, owens_t
 
 from skolem.estimation.pose_graph import BASE, Joint, PoseGraph
-from skolem.estimation.se2 import Matrix, adjoint, apart, between, relative_jacobian
-from skolem.estimation.tracks import Tracks
+from skolem.estimation.se2 import Matrix, adjoint, apart, between, relative_jacobian, turned
+from skolem.estimation.tracks import Track, Tracks
 from skolem.estimation.visibility import outline_radius
 from skolem.estimation.weight import log_span
 from skolem.traces.errors import InternalError
-from skolem.traces.messages import Relation
+from skolem.traces.messages import Pose2, Relation
 
 Array = NDArray[np.float64]
 LEAST_SD = 1e-9  # metres; a narrower Gaussian is widened to this before it is whitened
@@ -92,7 +92,8 @@ class JointRelations:
             by those numbers, shape (k, 2, n).
         never: The relations that cannot hold, since a hand holds one of the objects, by number.
         sizes: Half the free size of the support, shape (2,), for each relation of kind on, by number.
-        rests: P(it rests on a support) of the objects for which that is less than 1, by anchor.
+        rests: P(it rests on a support) of the objects for which that is less than 1, by name of the pose.
+        resters: The name of the pose of what rests, for each relation of kind on, by number.
         weights: Quantiles of the weight, in ln(kg), of the objects that are weighed or compared, by anchor.
     """
 
@@ -102,6 +103,7 @@ class JointRelations:
     never: frozenset[int]
     sizes: Mapping[int, Array]
     rests: Mapping[str, float]
+    resters: Mapping[int, str]
     weights: Mapping[str, "Quantiles"]
 
     @property
@@ -156,7 +158,7 @@ class JointRelations:
         if relation.kind == "on":
             ((x, y),), (width, depth) = vectors, self.sizes[number]
             inside = np.asarray((np.abs(x) <= width) & (np.abs(y) <= depth))
-            return inside & rests[relation.anchors[0]] if relation.anchors[0] in rests else inside
+            return inside & rests[self.resters[number]] if self.resters[number] in rests else inside
         squares = [x * x + y * y for x, y in vectors]
         return np.asarray(squares[0] <= relation.distance_m**2 if relation.kind == "near" else squares[0] < squares[1])
 
@@ -185,9 +187,10 @@ def joint_relations(asked: Sequence[Relation], graph: PoseGraph, tracks: Tracks)
         InternalError: If a relation has the wrong number of objects.
     """
     placed = [(i, one) for i, one in enumerate(asked) if one.kind not in ("heavier", "weighs")]
-    named = dict.fromkeys(anchor for _, one in placed for anchor in one.anchors)
+    named = dict.fromkeys(name for _, one in placed for name in _bodies(one, graph))
     joint = graph.joint((BASE, *named))
-    places = {i: _vectors(one, joint) for i, one in placed}
+    places = {i: _vectors(one, _bodies(one, graph), joint) for i, one in placed}
+    resting = {_rester(one, graph): _track(one, 0, tracks).rests for _, one in placed if one.kind == "on"}
     used = np.zeros(3 * len(joint.names), dtype=bool)
     for _, derivatives in places.values():
         used |= (derivatives != 0.0).any(axis=(0, 1))
@@ -198,25 +201,40 @@ def joint_relations(asked: Sequence[Relation], graph: PoseGraph, tracks: Tracks)
         asked=tuple(asked),
         coordinates=len(kept),
         places={i: (means, derivatives[:, :, kept] @ factor) for i, (means, derivatives) in places.items()},
-        never=frozenset(i for i, one in placed if one.kind == "near" and any(tracks[a].hand for a in one.anchors)),
+        never=frozenset(
+            i for i, one in placed if one.kind == "near" and any(_track(one, k, tracks).hand for k in range(2))
+        ),
         sizes={i: _half_free(one, tracks) for i, one in placed if one.kind == "on"},
-        rests={
-            one.anchors[0]: tracks[one.anchors[0]].rests
-            for _, one in placed
-            if one.kind == "on" and tracks[one.anchors[0]].rests < 1.0
-        },
+        rests={body: p for body, p in resting.items() if p < 1.0},
+        resters={i: _rester(one, graph) for i, one in placed if one.kind == "on"},
         weights={anchor: Quantiles(*tracks[anchor].weight.cumulated()) for anchor in weighed},
     )
 
 
-def _vectors(relation: Relation, joint: Joint) -> tuple[Array, Array]:
+def _bodies(relation: Relation, graph: PoseGraph) -> tuple[str, ...]:
+    """Return the names of the poses that a relation is about."""
+    return tuple(graph.first(anchor) if relation.earlier else anchor for anchor in relation.anchors)
+
+
+def _rester(relation: Relation, graph: PoseGraph) -> str:
+    """Return the name of the pose of what rests on something, in a relation of kind on."""
+    return _bodies(relation, graph)[0]
+
+
+def _track(relation: Relation, index: int, tracks: Tracks) -> Track:
+    """Return the track of one of the objects of a relation, as it was then."""
+    anchor = relation.anchors[index]
+    return tracks.first(anchor) if relation.earlier else tracks[anchor]
+
+
+def _vectors(relation: Relation, bodies: Sequence[str], joint: Joint) -> tuple[Array, Array]:
     """Return means, (k, 2), and derivatives, (k, 2, 3 names), of the vectors that decide a relation."""
     if relation.kind == "on":
-        below, above = (joint.names.index(anchor) for anchor in reversed(relation.anchors))
+        below, above = (joint.names.index(body) for body in reversed(bodies))
         below_T_above = between(joint.world_T_body[below], joint.world_T_body[above])
         turned = adjoint((0.0, 0.0, below_T_above[2]))[:2] @ relative_jacobian(below_T_above)
         return np.array([below_T_above[:2]]), _spread(turned, (below, above), joint)[None]
-    one, other, *to = relation.anchors
+    one, other, *to = bodies
     found = [_offset(other, one, joint)] if not to else [_offset(to[0], one, joint), _offset(to[0], other, joint)]
     return np.array([mean for mean, _ in found]), np.array([derivative for _, derivative in found])
 
@@ -262,3 +280,55 @@ def semidefinite_factor(covariance: Matrix) -> Matrix:
             factor[j, j] = np.sqrt(left)
             factor[j + 1 :, j] = (covariance[j + 1 :, j] - factor[j + 1 :, :j] @ factor[j, :j]) / factor[j, j]
     return factor
+
+
+# ---------------------------------------------------------------- one relation, exactly
+
+Relative = Callable[[str, str], tuple[Pose2, Matrix]]  # mean and covariance of a_T_b
+
+
+def prob_on(anchor: str, support: str, tracks: Tracks, graph: PoseGraph, relative: Relative, earlier: bool) -> float:
+    """Return P(an object rests wholly on the top of `support`), given that both exist; 0 while a hand holds it.
+
+    Args:
+        anchor: The object.
+        support: What it rests on.
+        tracks: The belief without poses.
+        graph: The belief on poses.
+        relative: Gives the relative pose of two bodies of the graph.
+        earlier: Whether it is about the time before the objects were first picked.
+    """
+    track, below = _then(anchor, tracks, earlier), _then(support, tracks, earlier)
+    if track is None or below is None or track.hand or below.hand or track.support != support:
+        return 0.0
+    if not tracks.rests_at(track.z, track.z_variance, support):
+        return 0.0
+    size = tracks.kind(support).size_m
+    margin = 2.0 * outline_radius(tracks.kind(anchor))
+    if min(size[0], size[1]) <= margin:
+        return 0.0
+    bodies = (graph.first(support), graph.first(anchor)) if earlier else (support, anchor)
+    support_T_object, covariance = relative(*bodies)
+    inside = turned(covariance, support_T_object[2])[:2, :2]
+    free = rectangle((size[0] - margin, size[1] - margin))
+    return track.rests * prob_in_polygon(np.array(support_T_object[:2]), inside, free)
+
+
+def prob_near(anchor: str, other: str, distance_m: float, tracks: Tracks, graph: PoseGraph, earlier: bool) -> float:
+    """Return P(the middles of two objects are at most `distance_m` apart in the plane), given that both exist.
+
+    It is 0 while a hand holds one of them. The other arguments are those of `prob_on`.
+    """
+    if anchor == other:
+        return 1.0
+    pair = (_then(anchor, tracks, earlier), _then(other, tracks, earlier))
+    if any(track is None or track.hand for track in pair):
+        return 0.0
+    bodies = (graph.first(other), graph.first(anchor)) if earlier else (other, anchor)
+    return prob_in_polygon(*graph.apart(*bodies), disc(distance_m))
+
+
+def _then(anchor: str, tracks: Tracks, earlier: bool) -> Track | None:
+    """Return the track of an anchor, now or before it was first picked; None for an unknown one."""
+    track = tracks.get(anchor)
+    return track if track is None or not earlier else tracks.first(anchor)

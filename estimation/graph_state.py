@@ -39,6 +39,7 @@ class State:
         moves, looks, picks: Number of each so far.
         numbers: Number of each anchor.
         epochs: Number of times that each anchor was moved.
+        first: Key of the pose from which each anchor was first picked.
         grasps: Grasp of each hand that holds an object.
         forgotten: Last world_T_object of each anchor that was given up.
     """
@@ -53,6 +54,7 @@ class State:
     picks: int = 0
     numbers: dict[str, int] = field(default_factory=dict)
     epochs: dict[str, int] = field(default_factory=dict)
+    first: dict[str, int] = field(default_factory=dict)
     grasps: dict[Hand, Grasp] = field(default_factory=dict)
     forgotten: dict[str, Pose2] = field(default_factory=dict)
 

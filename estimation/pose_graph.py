@@ -54,6 +54,7 @@ from skolem.traces.messages import Hand, Pose2, Pose4, RobotState
 from skolem.traces.messages.poses import flat, raised
 
 BASE = "base"
+FIRST = "first "  # begins the name of the pose from which an anchor was first picked; no anchor has a space
 INDETERMINATE = "Indeterminate linear system"  # part of GTSAM's error message
 EPOCHS = 1 << 20  # greatest number of epochs of one anchor
 SETTLING_UPDATES = 2  # most extra updates after an event: a far sighting moves the mean, and the covariance follows
@@ -202,6 +203,7 @@ class PoseGraph:
 
     def _pick(self, event: Picked) -> None:
         item = self._key(event.anchor)
+        self._now.first.setdefault(event.anchor, item)
         self._now.picks += 1
         grasp = gtsam.symbol("g", self._now.picks)
         planned, capture = flat(event.tool_T_object), diagonal(self._config.capture_sd_m, self._config.capture_sd_rad)
@@ -238,6 +240,8 @@ class PoseGraph:
 
     def _merge(self, event: Merged) -> None:
         into, other = self._key(event.anchor), self._key(event.other)
+        if event.other in self._now.first:
+            self._now.first.setdefault(event.anchor, self._now.first[event.other])
         turn = gtsam.Pose2(0.0, 0.0, event.turn)
         self._update([gtsam.BetweenFactorPose2(into, other, turn, diagonal(self._config.same_sd_m, event.sd_rad))], {})
 
@@ -248,6 +252,7 @@ class PoseGraph:
         held = {grasp.anchor for grasp in now.grasps.values()}
         last = {self._key(anchor) for anchor in now.numbers.keys() - now.forgotten.keys() - held}
         kept = last | {now.base} | {grasp.key for grasp in now.grasps.values()}
+        kept |= set(now.first.values()) if self._config.remembers else set()
         gone = frozenset(now.isam.getLinearizationPoint().keys()) - kept
         if gone:
             entry = now.entry if now.entry in gone else now.base
@@ -284,8 +289,15 @@ class PoseGraph:
         base_T_object = arm.base_T_tool(self.robot, hand) @ arm.upright(x, y, z, theta)
         return raised(arm.flattened(base_T_object), float(base_T_object[2, 3]))
 
+    def first(self, anchor: str) -> str:
+        """Return the name of the pose of an anchor before it was first picked; its own name if it never was."""
+        return FIRST + anchor if anchor in self._now.first else anchor
+
     def joint(self, names: Iterable[str]) -> Joint:
         """Return the joint Gaussian of world poses; the pose of a held object follows the hand.
+
+        Args:
+            names: Anchors, `BASE`, and names that `first` returns, all different.
 
         Raises:
             InternalError: If there is no such anchor.
@@ -310,6 +322,9 @@ class PoseGraph:
         """Return world_T_body, the key of its own variable, if any, and its Jacobian by the base's tangent, (3, 3)."""
         if name == BASE:
             return self._at(self._now.base), None, np.eye(3)
+        if name.startswith(FIRST):
+            key = self._now.first[name.removeprefix(FIRST)]
+            return self._at(key), key, None
         for hand, grasp in self._now.grasps.items():
             if grasp.anchor == name:
                 base_T_object = flat(self.base_T_held(hand))

@@ -76,6 +76,7 @@ class Tracks:
     def __init__(self, config: EstimatorConfig) -> None:
         self._config = config
         self._tracks: dict[str, Track] = {}
+        self._first: dict[str, Track] = {}  # before it was first picked, by anchor
         self._prior: Prior | None = None
 
     @property
@@ -92,6 +93,21 @@ class Tracks:
     def get(self, anchor: str) -> Track | None:
         """Return the track of an anchor, or None for an unknown name."""
         return self._tracks.get(anchor)
+
+    def first(self, anchor: str) -> Track:
+        """Return the track of an anchor with height and support as they were before it was first picked."""
+        track, first = self[anchor], self._first.get(anchor)
+        if first is None:
+            return track
+        return replace(
+            track,
+            z=first.z,
+            z_variance=first.z_variance,
+            support=first.support,
+            hand=None,
+            places=first.places,
+            rests=first.rests,
+        )
 
     def kind(self, anchor: str) -> ObjectType:
         """Return the most likely type of an anchor."""
@@ -156,6 +172,7 @@ class Tracks:
             case Looked():
                 self._look(event)
             case Picked():
+                self._first.setdefault(event.anchor, self[event.anchor])
                 track = self._evidence(event.anchor, (1.0 - self._config.pick_fails) / self._config.pick_deceives)
                 self._tracks[event.anchor] = replace(track, hand=event.hand, support=None)
             case PickFailed():
@@ -187,6 +204,8 @@ class Tracks:
     def _merge(self, event: Merged) -> None:
         """Add to the first anchor the observations of the other, and give the other up."""
         track, other = self[event.anchor], self[event.other]
+        if event.other in self._first:
+            self._first.setdefault(event.anchor, self._first[event.other])
         stranger = self.arbitrary(self.kind(event.anchor))
         gain = track.z_variance / (track.z_variance + other.z_variance)
         merged = replace(

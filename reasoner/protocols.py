@@ -112,6 +112,19 @@ class WorldBeliefs(Protocol):
         ...
 
 
+@runtime_checkable
+class EarlierBeliefs(Protocol):
+    """What only goals about the start of a run ask; in a belief without it nothing was moved since."""
+
+    def prob_was_on(self, anchor: str, support: str) -> float:
+        """`prob_on` of the time before the robot first moved the objects."""
+        ...
+
+    def prob_was_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """`prob_near` of the time before the robot first moved the objects."""
+        ...
+
+
 class BeliefQueries(OpenBeliefs, Protocol):
     """Pure questions about the belief; equal `version` means equal answers."""
 

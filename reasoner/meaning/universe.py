@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from skolem.reasoner.language.descriptions import Lambda
+from skolem.reasoner.language.descriptions import Lambda, Was
 from skolem.reasoner.language.expressions import Sentence
 from skolem.reasoner.meaning.literals import Alternatives, Literals
 from skolem.reasoner.meaning.related import Related, related
@@ -89,7 +89,7 @@ class Universe:
         for name, description in expressions.items():
             found._add(name, description, literals)
             if description.kind == "the":
-                found._add(f"{name}_any", replace(description, kind="lambda"), literals)
+                found._add(f"{name}_any", replace(description, kind="lambda", body=Was(description.body)), literals)
                 found.counted[name] = Counted(1, 1, f"{name}_any", f"{name}_any")
                 found.true[name] = ()
         for name, description in list(found.descriptions.items()) if witnesses else ():

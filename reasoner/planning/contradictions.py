@@ -35,7 +35,6 @@ from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.traces.messages import HsvUnion, HsvVolume, Meaning, TypeIs, WeightInterval
 
 MOST_WAYS: Final = 64  # what would make more is not judged
-_TIMES: Final = {"lambda": "now", "the": "was"}  # when relations of a description hold; of others, at one unknown time
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +95,7 @@ def _ways_of(part: Den | Holds | Atom | Sentence, suffix: str) -> _Ways:
     """Return the ways of a part; the variables that it binds end with `suffix`, to be apart from those of others."""
     match part:
         case Den(Lambda(variable, body, kind), argument):
-            return _ways(body, True, _TIMES.get(kind, kind), {variable: argument}, suffix)
+            return _ways(body, True, "now" if kind == "lambda" else "was", {variable: argument}, suffix)
         case Holds(words, argument):
             return (tuple(Literal(Atom(word, (argument,)), True, "") for word in words),)
         case Sentence(body):

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from skolem.reasoner.protocols import GroundBeliefs, OpenBeliefs
+from skolem.reasoner.protocols import EarlierBeliefs, GroundBeliefs, OpenBeliefs
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.reasoner.terms import Compound, Term
 from skolem.reasoner.worlds.circuits import Circuit, Either, EitherOver, Leaf, Node, Product
@@ -153,3 +153,18 @@ class WithStranger:
         if anchor == other:
             return 1.0
         return self._belief.prob_on(other if anchor == STRANGER else anchor, self._belief.region_support(self._region))
+
+    def prob_was_on(self, anchor: str, support: str) -> float:
+        """P(the object rested on the support at the start); nobody has moved the stranger."""
+        if STRANGER in (anchor, support) or not isinstance(self._belief, EarlierBeliefs):
+            return self.prob_on(anchor, support)
+        return self._belief.prob_was_on(anchor, support)
+
+    def prob_was_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """P(the objects were near at the start); for the stranger, P(the other was in its region)."""
+        if not isinstance(self._belief, EarlierBeliefs) or anchor == other:
+            return self.prob_near(anchor, other, distance_m)
+        if STRANGER not in (anchor, other):
+            return self._belief.prob_was_near(anchor, other, distance_m)
+        met = other if anchor == STRANGER else anchor
+        return self._belief.prob_was_on(met, self._belief.region_support(self._region))

@@ -6,7 +6,7 @@ What a probability is, the goal says: the share of the possible worlds of the be
 from collections.abc import Mapping
 from typing import Final
 
-from skolem.reasoner.language.descriptions import Count, Every, Exists, Lambda, Not
+from skolem.reasoner.language.descriptions import Count, Every, Exists, Lambda, Not, Was
 from skolem.reasoner.language.expressions import Goal, Sentence
 from skolem.reasoner.meaning.literals import Alternatives
 from skolem.reasoner.meaning.universe import Universe
@@ -122,8 +122,8 @@ def _numbers(expressions: Mapping[str, Lambda]) -> dict[str, Sentence]:
     found: dict[str, Sentence] = {}
     for name, each in expressions.items():
         if each.kind == "the":
-            found[f"{name}_none"] = Sentence(Not(Exists(each.variable, each.body)))
-            found[f"{name}_one"] = Sentence(Count("exactly", 1, each.variable, each.body))
+            found[f"{name}_none"] = Sentence(Was(Not(Exists(each.variable, each.body))))
+            found[f"{name}_one"] = Sentence(Was(Count("exactly", 1, each.variable, each.body)))
     return found
 
 

@@ -51,6 +51,47 @@ def too_sure(goal: Goal, most: float) -> list[str]:
     return [f"{each}: {why}" for each in needing if each.p > most]
 
 
+def of_the_start(goal: Goal) -> list[Atom]:
+    """Return the relations of a goal that are about the start of the run, in order of appearance, each once.
+
+    They are those inside of `Was(..)`, and those of a description that means one object of several: otherwise it would
+    mean another object once something was moved.
+    """
+    found: dict[Atom, None] = {}
+    for description in goal.expressions.values():
+        body = description.body if description.kind == "lambda" else Was(description.body)
+        found |= dict.fromkeys(_remembered(body, False))
+    for sentence in goal.sentences.values():
+        found |= dict.fromkeys(_remembered(sentence.body, False))
+    return list(found)
+
+
+def speaks_of_the_start(goal: Goal) -> bool:
+    """Return whether a relation of the goal is about the start of the run; nearness to something is one, too."""
+    return bool(start_text(goal))
+
+
+def start_text(goal: Goal) -> str:
+    """Return a sentence about what of a goal is about the start of the run; empty if nothing is."""
+    said = [str(atom) for atom in of_the_start(goal)]
+    said += [f"{each.kind} to {each.to}" for each in goal.expressions.values() if each.kind == "nearest"]
+    verb = "is" if len(said) == 1 else "are"
+    return f"{', '.join(said)} {verb} read as of the start of the run, whatever is moved since" if said else ""
+
+
+def _remembered(expression: Expression, earlier: bool) -> Iterator[Atom]:
+    match expression:
+        case Atom(_, (_, other)) if earlier and not isinstance(other, Number):
+            yield expression
+        case And(left, right) | Or(left, right) | Every(_, left, right):
+            yield from _remembered(left, earlier)
+            yield from _remembered(right, earlier)
+        case Was(body):
+            yield from _remembered(body, True)
+        case Exists(_, body) | Count(_, _, _, body) | Not(body):
+            yield from _remembered(body, earlier)
+
+
 def _needs_existence(part: object) -> bool:
     return isinstance(part, Den) or (isinstance(part, Atom) and part.word in SPATIAL)
 

@@ -285,7 +285,7 @@ class _Sample:
     def __init__(self, universe: Universe, belief: GroundBeliefs, key: str, used: Sequence[int]) -> None:
         assert isinstance(belief, WorldBeliefs), "only such beliefs have relations that depend on poses"
         self._universe, self._key, self._used = universe, key, list(used)
-        self._model = belief.relations([universe.uncertain[index] for index in used])
+        self._model = belief.relations([universe.uncertain[index].message for index in used])
         self._points = 0  # of each shift
         self._blocks: list[tuple[int, Counting, NDArray[np.intp]]] = []
         self.double()

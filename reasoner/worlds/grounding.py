@@ -5,7 +5,7 @@ such an atom counts as false in the lower bound of the probability and as true i
 under a negation.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -77,6 +77,7 @@ class Plan:
         free: The texts of the variables that occur free in it, sorted.
         parts: The plans of the nodes directly inside it.
         terms: The texts of its arguments or, of a quantifier, of its variable.
+        earlier: Whether its relations are those at the start.
     """
 
     node: Node
@@ -84,6 +85,7 @@ class Plan:
     free: tuple[str, ...]
     parts: tuple["Plan", ...]
     terms: tuple[str, ...]
+    earlier: bool
 
 
 class Grounder:
@@ -95,7 +97,7 @@ class Grounder:
 
     def __init__(self, universe: Universe, bound: Bound) -> None:
         self._universe, self._diagram, self._bound = universe, universe.diagram, bound
-        self._plans: dict[Node, Plan] = {}
+        self._plans: dict[tuple[Node, bool], Plan] = {}
         self._done: dict[tuple[object, ...], int] = {}
         self.bounded = False
 
@@ -104,12 +106,13 @@ class Grounder:
         env = {} if variable is None or one is None else {str(variable): one}
         return self._made(self._plan(node), env, True)
 
-    def _plan(self, node: Node) -> Plan:
-        if node not in self._plans:
-            inner = tuple(map(self._plan, parts(node)))
+    def _plan(self, node: Node, earlier: bool = False) -> Plan:
+        if (node, earlier) not in self._plans:
+            inner = tuple(self._plan(part, earlier or isinstance(node, Earlier)) for part in parts(node))
             free = sorted(_free(node, frozenset[str]().union(*(plan.free for plan in inner))))
-            self._plans[node] = Plan(node, len(self._plans), tuple(free), inner, tuple(map(str, _terms(node))))
-        return self._plans[node]
+            terms = tuple(map(str, _terms(node)))
+            self._plans[node, earlier] = Plan(node, len(self._plans), tuple(free), inner, terms, earlier)
+        return self._plans[node, earlier]
 
     def _made(self, plan: Plan, env: Env, positive: bool) -> int:
         """Return the formula of a node; `positive`: it stands under an even number of negations."""
@@ -123,7 +126,7 @@ class Grounder:
         diagram, inner = self._diagram, plan.parts
         match plan.node:
             case Leaf():
-                return self._leaf(plan.node, plan.terms, env, positive)
+                return self._leaf(plan.node, plan, env, positive)
             case Identical():
                 one, other = (self._individual(term, env) for term in plan.terms)
                 return self._universe.exists(one) if one is not None and one == other else FALSE
@@ -142,7 +145,7 @@ class Grounder:
                 variable, meant = plan.terms
                 return self._made(inner[0], {**env, variable: env[meant]} if meant in env else env, positive)
             case Earlier():
-                raise InternalError("Was(..) needs the belief about the first moment, which no belief offers yet")
+                return self._made(inner[0], env, positive)
 
     def _counted(self, plan: Plan, env: Env, positive: bool, least: int, most: int | None) -> int:
         """Return the formula of a number; what is not known may lie on the wrong side of both of its limits."""
@@ -169,8 +172,9 @@ class Grounder:
             if holds != FALSE:
                 yield diagram.all_of((exists, holds))
         for region, cell in universe.classes() if cap else ():
-            used = sum(s.region == region and s.cell == cell for s in named)
-            holds = self._made(inner, {**env, variable: Stranger(region, cell, used + 1)}, positive)
+            taken = {s.index for s in named if (s.region, s.cell) == (region, cell)}
+            used, another = len(taken), next(i for i in range(1, len(taken) + 2) if i not in taken)
+            holds = self._made(inner, {**env, variable: Stranger(region, cell, another)}, positive)
             if holds != FALSE:
                 yield from (diagram.all_of((universe.more_than(region, cell, used + i), holds)) for i in range(cap))
 
@@ -180,8 +184,9 @@ class Grounder:
         found = env.get(term)
         return self._universe.known(term) if found is None else found
 
-    def _leaf(self, leaf: Leaf, terms: Sequence[str], env: Env, positive: bool) -> int:
+    def _leaf(self, leaf: Leaf, plan: Plan, env: Env, positive: bool) -> int:
         universe, words, relation = self._universe, self._universe.vocabulary, leaf.relation
+        terms, was = plan.terms, plan.earlier
         match leaf.args:
             case (_, Compound("number", (int(thousandths),))) if relation in words.exceeds:
                 one = self._individual(terms[0], env)
@@ -192,13 +197,14 @@ class Grounder:
             case [one] if relation in words.meanings:
                 return FALSE if one is None else universe.has(one, relation)
             case [one, other] if relation == "on":
-                return FALSE if one is None or other is None else universe.rests(one, other)
+                return FALSE if one is None or other is None else universe.rests(one, other, was)
             case [one, other] if relation in words.near_m:
-                found = FALSE if one is None or other is None else universe.beside(one, other, words.near_m[relation])
+                distance_m = words.near_m[relation]
+                found = FALSE if one is None or other is None else universe.beside(one, other, distance_m, was)
             case [one, other] if relation == "heavier" or relation in words.exceeds:
                 found = FALSE if one is None or other is None else universe.heavier(one, other)
             case [one, other, to] if relation == "nearer":
-                found = FALSE if one is None or other is None or to is None else universe.nearer(one, other, to)
+                found = FALSE if one is None or other is None or to is None else universe.nearer(one, other, to, was)
             case _:
                 raise InternalError(f"{Compound(relation, leaf.args)} cannot be evaluated: no such relation")
         if found is not None:
@@ -251,4 +257,6 @@ def unary_mask(node: Node, variable: Term, universe: Universe) -> int | None:
         case Complement(inner):
             mask = unary_mask(inner, variable, universe)
             return None if mask is None else whole & ~mask
+        case Earlier(inner):
+            return unary_mask(inner, variable, universe)
     return None

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from math import exp
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
-from skolem.reasoner.protocols import GroundBeliefs, WorldBeliefs
+from skolem.reasoner.protocols import EarlierBeliefs, GroundBeliefs, WorldBeliefs
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
 from skolem.reasoner.worlds.cells import Cells, bits
 from skolem.reasoner.worlds.diagrams import FALSE, TRUE, Diagram
@@ -47,7 +47,7 @@ class Universe:
         diagram: The formulas about them.
         cells: The cells of the words in question.
         names: The anchors, by number.
-        uncertain: The relations that are neither sure nor impossible, by number.
+        uncertain: The relations that are neither sure nor impossible, by number, as `_Asked`.
     """
 
     def __init__(
@@ -71,8 +71,9 @@ class Universe:
         """
         self.diagram, self.cells = Diagram(), Cells.of(meanings)
         self.names = belief.anchors()
-        self.uncertain: list[Relation] = []
-        self._settled: dict[float, dict[tuple[str, ...], int]] = {}  # by distance: which pairs are surely near, or not
+        self.uncertain: list[_Asked] = []
+        # which pairs are surely related, or not, by what is asked of them
+        self._settled: dict[tuple[object, ...], dict[tuple[str, ...], int]] = {}
         self._belief, self.vocabulary, self.meanings = belief, vocabulary, meanings
         self._joint = belief if isinstance(belief, WorldBeliefs) else None
         self.compared = compared and self._joint is not None
@@ -160,18 +161,18 @@ class Universe:
 
     # ------------------------------------------------------------ relations
 
-    def rests(self, one: Individual, support: Individual) -> int:
-        """Return the formula: both exist, and the first rests on the second."""
+    def rests(self, one: Individual, support: Individual, earlier: bool = False) -> int:
+        """Return the formula: both exist, and the first rests on the second, or did so at the start."""
         if isinstance(support, Stranger) or support >= len(self.names):
             return FALSE
         below = self.names[support]
         if isinstance(one, Stranger) or one >= len(self.names):
             at = self.regions[one.region].support if isinstance(one, Stranger) else self._supports[one]
             return self._both(one, support, TRUE if at == below else FALSE)
-        return self._both(one, support, self.related("on", (self.names[one], below)))
+        return self._both(one, support, self.related("on", (self.names[one], below), earlier=earlier))
 
-    def beside(self, one: Individual, other: Individual, distance_m: float) -> int | None:
-        """Return the formula: both exist and are near each other; None if that is not known."""
+    def beside(self, one: Individual, other: Individual, distance_m: float, earlier: bool = False) -> int | None:
+        """Return the formula: both exist and are, or were, near each other; None if that is not known."""
         if one == other:
             return FALSE
         if not self._met(one, other):
@@ -179,7 +180,7 @@ class Universe:
         anchors = (self.names[_number(one)], self.names[_number(other)])
         if self._joint is not None and _number(one) > _number(other):
             anchors = anchors[::-1]
-        return self._both(one, other, self.related("near", anchors, distance_m))
+        return self._both(one, other, self.related("near", anchors, distance_m, earlier=earlier))
 
     def heavier(self, one: Individual, other: Individual) -> int | None:
         """Return the formula: both exist, and the first weighs more; None if that is not known."""
@@ -191,8 +192,8 @@ class Universe:
         found = self.related("heavier", (self.names[min(first, second)], self.names[max(first, second)]))
         return self._both(one, other, found if first < second else self.diagram.negation(found))
 
-    def nearer(self, one: Individual, other: Individual, to: Individual) -> int | None:
-        """Return the formula: all exist, and the first is nearer to the third; None if that is not known."""
+    def nearer(self, one: Individual, other: Individual, to: Individual, earlier: bool = False) -> int | None:
+        """Return the formula: all exist, and the first is, or was, nearer to the third; None if that is not known."""
         if one == other or other == to:
             return FALSE
         if one == to:
@@ -201,7 +202,7 @@ class Universe:
             return None
         first, second = _number(one), _number(other)
         names = (self.names[min(first, second)], self.names[max(first, second)], self.names[_number(to)])
-        found = self.related("nearer", names)
+        found = self.related("nearer", names, earlier=earlier)
         found = found if first < second else self.diagram.negation(found)
         return self.diagram.all_of((self._both(one, other, found), self.exists(to)))
 
@@ -219,54 +220,68 @@ class Universe:
         anchors: tuple[str, ...],
         distance_m: float = 0.0,
         meaning: WeightInterval | None = None,
+        earlier: bool = False,
     ) -> int:
-        """Return the formula: the relation holds between objects that exist."""
-        key = kind, anchors, distance_m, meaning
+        """Return the formula: the relation holds, or held at the start, between objects that exist."""
+        key = _Asked(kind, anchors, distance_m, meaning, earlier)
         if key not in self._relations:
             self._relations[key] = self._related(key)
         return self._relations[key]
 
     def _related(self, asked: "_Asked") -> int:
-        kind, anchors, distance_m, meaning = asked
-        together = kind == "near" and self._joint is not None
-        p = self._settled_chance(anchors, distance_m) if together else self._prob(asked)
+        together = asked.kind in ("near", "heavier", "nearer") and self._joint is not None
+        p = self._settled_chance(asked) if together else self._prob(asked)
         if p is not None and p <= SURE:
             return FALSE
         if p is not None and p >= 1.0 - SURE:
             return TRUE
-        self.uncertain.append(Relation(kind=kind, anchors=anchors, distance_m=distance_m, meaning=meaning))
+        self.uncertain.append(asked)
         if self._joint is not None:
             return self.diagram.relation(len(self.uncertain) - 1)
         assert p is not None
         return self.diagram.literal(self.diagram.variable((1.0 - p, p)), 0b10)
 
-    def _settled_chance(self, anchors: tuple[str, ...], distance_m: float) -> float | None:
-        """Return 0 or 1 if it is sure whether two anchors are near; all pairs are looked at together."""
-        if distance_m not in self._settled:
+    def _settled_chance(self, asked: "_Asked") -> float | None:
+        """Return 0 or 1 if it is sure whether two anchors are related; all pairs are looked at together."""
+        to = asked.anchors[2:]
+        alike = asked.kind, asked.distance_m, asked.earlier, to
+        if alike not in self._settled:
             assert self._joint is not None
-            pairs = list(combinations(self.names, 2))
-            asked = [Relation(kind="near", anchors=pair, distance_m=distance_m) for pair in pairs]
-            found = self._joint.relations(asked).settled().tolist()
-            self._settled[distance_m] = dict(zip(pairs, found, strict=True))
-        return {1: 1.0, -1: 0.0}.get(self._settled[distance_m][anchors])
+            pairs = [(*pair, *to) for pair in combinations(self.names, 2) if to not in (pair[:1], pair[1:])]
+            found = self._joint.relations([asked._replace(anchors=pair).message for pair in pairs]).settled().tolist()
+            self._settled[alike] = dict(zip(pairs, found, strict=True))
+        return {1: 1.0, -1: 0.0}.get(self._settled[alike][asked.anchors])
 
     def chance(self, number: int) -> float | None:
         """Return P(an uncertain relation holds); None if the belief gives no number for it."""
-        one = self.uncertain[number]
-        return self._prob((one.kind, one.anchors, one.distance_m, one.meaning))
+        return self._prob(self.uncertain[number])
 
     def _prob(self, asked: "_Asked") -> float | None:
-        match asked:
-            case "on", (one, support), _, _:
-                return self._belief.prob_on(one, support)
-            case "near", (one, other), distance_m, _:
-                return self._belief.prob_near(one, other, distance_m)
-            case "weighs", (one,), _, WeightInterval() as meaning:
+        before = self._belief if asked.earlier and isinstance(self._belief, EarlierBeliefs) else None
+        match asked.kind, asked.anchors, asked.meaning:
+            case "on", (one, other), _:
+                return before.prob_was_on(one, other) if before else self._belief.prob_on(one, other)
+            case "near", (one, other), _:
+                prob_near = before.prob_was_near if before else self._belief.prob_near
+                return prob_near(one, other, asked.distance_m)
+            case "weighs", (one,), WeightInterval() as meaning:
                 return self._belief.prob_property(one, meaning)
         return None
 
 
-_Asked = tuple[RelationKind, tuple[str, ...], float, WeightInterval | None]
+class _Asked(NamedTuple):
+    """A relation that may hold, as `messages.Relation`, of any names."""
+
+    kind: RelationKind
+    anchors: tuple[str, ...]
+    distance_m: float
+    meaning: WeightInterval | None
+    earlier: bool
+
+    @property
+    def message(self) -> Relation:
+        """The question to a belief."""
+        return Relation(**self._asdict())
 
 
 def poisson(mean: float, most: int) -> list[float]:

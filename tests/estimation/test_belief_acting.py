@@ -5,10 +5,12 @@ import math
 import numpy as np
 import pytest
 from kit.beliefs import CANS, EXACT, GRASP, HEAVY, TABLE_TOP, TOOL, Robot, depth_view, detection, prior, sees_all
+from numpy.random import PCG64, Generator, SeedSequence
 
+from skolem.estimation.config import EstimatorConfig
 from skolem.estimation.fluents import covariance_within
 from skolem.estimation.se2 import between, compose, symmetric
-from skolem.traces.messages import Hand, Pose2
+from skolem.traces.messages import Hand, Pose2, Relation
 
 
 def test_driving_widens_and_looking_at_one_object_sharpens_another() -> None:
@@ -61,6 +63,35 @@ def test_picked_object_travels_with_the_hand_and_is_known_well_relative_to_the_b
     assert believed.in_hand == "right"
     assert believed.tool_T_object == pytest.approx(GRASP, abs=0.02)
     assert believed.support is None
+
+
+@pytest.mark.parametrize("after", [100, 1], ids=["the whole past", "a past that is summed up"])
+def test_where_an_object_was_before_its_first_pick_is_remembered(after: int) -> None:
+    robot = Robot(prior(), EstimatorConfig(consolidate_after=after, remembers=True))
+    sees_all(robot)
+    on, near = robot.belief.prob_on("can2", "table1"), robot.belief.prob_near("can2", "can1", 0.6)
+    assert robot.belief.prob_was_on("can2", "table1") == on
+    assert robot.belief.prob_was_near("can2", "can1", 0.6) == near
+    robot.pick("can2", TOOL, GRASP)
+    robot.drive((0.5, 0.5, 0.5))
+    assert robot.belief.prob_on("can2", "table1") == robot.belief.prob_near("can2", "can1", 0.6) == 0.0
+    assert robot.belief.prob_was_on("can2", "table1") == pytest.approx(on, abs=0.02)
+    robot.place("can2", "table1", (0.8, 0.1, 0.75, 0.0))
+    robot.drive((0.1, 0.0, 0.0))
+    assert robot.belief.prob_was_on("can2", "table1") == pytest.approx(on, abs=0.02)
+    assert robot.belief.prob_was_near("can2", "can1", 0.6) == pytest.approx(near, abs=0.02)
+    on_table = Relation(kind="on", anchors=("can2", "table1"))
+    by_can1 = Relation(kind="near", anchors=("can2", "can1"), distance_m=0.6)
+    kinds = [each.model_copy(update={"earlier": then}) for each in (on_table, by_can1) for then in (False, True)]
+    draws = Generator(PCG64(SeedSequence([5]))).random((4000, robot.belief.relations(kinds).dimension))
+    shares = robot.belief.relations(kinds).truth(draws).mean(axis=0)
+    believed = [
+        robot.belief.prob_on("can2", "table1"),
+        robot.belief.prob_was_on("can2", "table1"),
+        robot.belief.prob_near("can2", "can1", 0.6),
+        robot.belief.prob_was_near("can2", "can1", 0.6),
+    ]
+    assert shares == pytest.approx(believed, abs=0.03)
 
 
 def test_placed_object_is_where_the_hand_left_it() -> None:

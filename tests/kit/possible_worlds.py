@@ -31,6 +31,7 @@ from skolem.reasoner.language.descriptions import (
     Or,
     Same,
     Variable,
+    Was,
     constant_of,
 )
 from skolem.traces.messages import HsvUnion, HsvVolume, Meaning, Relation, Strangers, TypeIs, TypeIsNot, WeightInterval
@@ -93,6 +94,7 @@ class World:
     looks: Mapping[str, Look]
     on: frozenset[tuple[str, str]]
     near: frozenset[tuple[str, str]]
+    before: "World | None" = None  # the same objects where they were at the start, if something was moved
 
     def beside(self, one: str, other: str) -> bool:
         return (one, other) in self.near or (other, one) in self.near
@@ -105,6 +107,7 @@ class Arrangement:
     share: int
     on: frozenset[tuple[str, str]]
     near: frozenset[tuple[str, str]]
+    before: "Arrangement | None" = None  # that of the start, if something was moved since
 
 
 class Known:
@@ -133,6 +136,13 @@ class Known:
 
     def prob_near(self, anchor: str, other: str, distance_m: float) -> float:
         return sum(a.share for a in self.arrangements if {(anchor, other), (other, anchor)} & a.near) / 128
+
+    def prob_was_on(self, anchor: str, support: str) -> float:
+        return sum(a.share for a in self.arrangements if (anchor, support) in (a.before or a).on) / 128
+
+    def prob_was_near(self, anchor: str, other: str, distance_m: float) -> float:
+        pairs = {(anchor, other), (other, anchor)}
+        return sum(a.share for a in self.arrangements if pairs & (a.before or a).near) / 128
 
 
 class Open(Known):
@@ -175,7 +185,9 @@ class Open(Known):
                 for share, found, places in unmet:
                     p = weight * share * arrangement.share / 128
                     if p >= NEGLIGIBLE:
-                        yield p, World({**looks, **found}, arrangement.on | places, arrangement.near)
+                        every, then = {**looks, **found}, arrangement.before or arrangement
+                        before = World(every, then.on | places, then.near)
+                        yield p, World(every, arrangement.on | places, arrangement.near, before)
 
     def _unmet(self) -> Iterator[tuple[float, dict[str, Look], frozenset[tuple[str, str]]]]:
         options = []
@@ -218,6 +230,8 @@ class Picked:
 
     def _holds(self, relation: Relation, arrangement: Arrangement) -> bool:
         one, other = relation.anchors
+        if relation.earlier:
+            arrangement = arrangement.before or arrangement
         if relation.kind == "on":
             return (one, other) in arrangement.on
         return (one, other) in arrangement.near or (other, one) in arrangement.near
@@ -258,6 +272,8 @@ def true_in(expression: Expression, env: Mapping[str, str], world: World) -> boo
         case Count(kind, number, variable, body):
             count = sum(true_in(body, {**env, variable: one}, world) for one in world.looks)
             return {"exactly": count == number, "at least": count >= number, "at most": count <= number}[kind]
+        case Was(body):
+            return true_in(body, env, world.before or world)
         case Atom(word, args):
             return _atom(constant_of(word), [_meant(arg, env) for arg in args], world)
     raise AssertionError(expression)
@@ -325,7 +341,10 @@ def beliefs(draw: st.DrawFn, strangers: bool = False) -> Open:
     pairs = [(one, other) for one in names for other in names if one != other]
     cuts = sorted(draw(st.sets(st.integers(1, 127), max_size=4)))
     few = st.frozensets(st.sampled_from(pairs), max_size=3) if pairs else st.just(frozenset[tuple[str, str]]())
-    arrangements = [Arrangement(high - low, draw(few), draw(few)) for low, high in pairwise([0, *cuts, 128])]
+    arrangements = [
+        Arrangement(high - low, draw(few), draw(few), draw(st.none() | st.builds(Arrangement, st.just(128), few, few)))
+        for low, high in pairwise([0, *cuts, 128])
+    ]
     regions = []
     if strangers:
         means, chances = st.floats(LEAST / 4, LEAST), st.sampled_from([0.0, 0.3])
@@ -341,7 +360,7 @@ def beliefs(draw: st.DrawFn, strangers: bool = False) -> Open:
 @st.composite
 def expressions(draw: st.DrawFn, scope: tuple[str, ...], depth: int = 3, near: bool = True) -> Expression:
     """Draw an expression of any construct whose free variables are in `scope`."""
-    kinds = ["and", "or", "not", "exists", "every", "count"] if depth else []
+    kinds = ["and", "or", "not", "exists", "every", "count", "was"] if depth else []
     kind = draw(st.sampled_from(["atom", "atom", "same", *kinds]))
     inner = (*scope, f"y{depth}")
 
@@ -355,6 +374,8 @@ def expressions(draw: st.DrawFn, scope: tuple[str, ...], depth: int = 3, near: b
             return Or(part(scope), part(scope))
         case "not":
             return Not(part(scope))
+        case "was":
+            return Was(part(scope))
         case "exists":
             return Exists(inner[-1], part(inner))
         case "every":
@@ -392,6 +413,8 @@ def renamed(expression: Expression, names: Mapping[str, str]) -> Expression:
             return Or(renamed(left, names), renamed(right, names))
         case Not(body):
             return Not(renamed(body, names))
+        case Was(body):
+            return Was(renamed(body, names))
         case Same(Variable() | Name() as left, right):
             return Same(*(one for one in map(moved, (left, right)) if not isinstance(one, Number)))
         case Exists(variable, body):

@@ -5,10 +5,11 @@ The caller gives it the prior, actions, results and observations. Its messages g
 
 from collections.abc import Callable
 
-from skolem.estimation import Belief
+from skolem.estimation import Belief, EstimatorConfig
 from skolem.reasoner import Agent, Geometry, Goal, Turn
 from skolem.reasoner.planning.denotations import Denotations
 from skolem.reasoner.planning.goals import PosedGoal
+from skolem.reasoner.planning.relations import speaks_of_the_start
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.tools.loop.recorded_geometry import RecordedGeometry
 from skolem.tools.loop.stopwatch import ESTIMATION, REASONING, Stopwatch
@@ -49,7 +50,7 @@ class Mind:
         self._emit = emit
         self._watch = watch = watch or Stopwatch()
         with watch.part(ESTIMATION):
-            self._belief = Belief(prior)
+            self._belief = Belief(prior, EstimatorConfig(remembers=speaks_of_the_start(goal)))
         self._geometry = RecordedGeometry(geometry, emit, watch)
         with watch.part(REASONING):
             self._agent = Agent(goal, rulebook, self._belief, self._geometry, limits)

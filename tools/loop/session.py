@@ -150,7 +150,8 @@ class _Run:
         setup = self._setup
         prior = prior_of(setup.scenario, setup.types, setup.seed, world.robot_state())
         self._write("/prior", prior)
-        self._write("/truth/state", world.state(0))
+        first = world.state(0)
+        self._write("/truth/state", first)
         with self._watch.part(LOADING):
             planner = setup.world.planner(setup.types, setup.seed)
         with closing(planner):
@@ -160,7 +161,7 @@ class _Run:
                 self._act(world, mind, action)
                 step += 1
         assert turn.end is not None, "a turn has an action or an end"
-        self._judge(world, step, turn.end)
+        self._judge(world, step, turn.end, first)
 
     def _decide(self, mind: Mind, step: int) -> Turn:
         """Let the robot take one decision, and count and show it."""
@@ -200,14 +201,16 @@ class _Run:
         self._displaced += found
         return after.model_copy(update={"displaced": found})
 
-    def _judge(self, world: World, step: int, end: RunEnd) -> None:
+    def _judge(self, world: World, step: int, end: RunEnd, first: TrueState) -> None:
         """Record whether the goal is true in the world, and then the end of the run."""
         setup = self._setup
         state, rulebook = world.state(step), setup.rulebook
-        judged = verdict(setup.goal, rulebook, state, setup.types)
+        judged = verdict(setup.goal, rulebook, state, setup.types, first)
         self._outcome.verdict = judged.model_copy(update={"displaced": in_all(self._displaced)})
         assert self._believed is not None, "a run that ends by itself has taken a decision"
-        self._outcome.own = own_makes_it_true(setup.goal, rulebook, state, setup.types, self._believed, end.anchor)
+        self._outcome.own = own_makes_it_true(
+            setup.goal, rulebook, state, setup.types, self._believed, end.anchor, first
+        )
         self._write("/truth/verdict", self._outcome.verdict)
         self._close_step(step)
         self._write("/run/end", end)

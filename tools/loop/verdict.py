@@ -4,9 +4,11 @@ So the robot's own denotation is evaluated, with probabilities 0 and 1.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skolem.reasoner import Goal, Normal, PlainBelief
 from skolem.reasoner.planning.goals import achieved_by, all_achieving
@@ -19,11 +21,14 @@ from skolem.traces.messages import (
     Meaning,
     ObjectType,
     Quantity,
+    Relation,
+    Strangers,
     TrueObject,
     TrueState,
     TypeIs,
     TypeIsNot,
     Verdict,
+    WeightInterval,
 )
 from skolem.traces.messages.poses import compose4, flat, inverse4, raised
 
@@ -34,9 +39,16 @@ class Truth(PlainBelief):
     The prior may name an object that does not exist: it has no property and stands nowhere.
     """
 
-    def __init__(self, state: TrueState, types: Mapping[str, ObjectType]) -> None:
-        """Answer from a true state."""
+    def __init__(self, state: TrueState, types: Mapping[str, ObjectType], first: TrueState | None = None) -> None:
+        """Answer from a true state.
+
+        Args:
+            state: The true state.
+            types: Every object type.
+            first: The state in which the goal was stated; None if it is this one.
+        """
         self._objects = {item.id: item for item in state.objects}
+        self._first = self if first is None else Truth(first, types)
         self._types = types
         self._world_T_base = raised(state.world_T_base)
         self._version = state.step
@@ -71,8 +83,40 @@ class Truth(PlainBelief):
         """1 if the centres of two objects are at most `distance_m` apart."""
         if anchor not in self._objects or other not in self._objects:
             return 0.0
-        (x, y, *_), (u, v, *_) = self._objects[anchor].world_T_object, self._objects[other].world_T_object
-        return float(math.hypot(x - u, y - v) <= distance_m)
+        return float(_apart(self._objects[anchor], self._objects[other]) <= distance_m)
+
+    def prob_was_on(self, anchor: str, support: str) -> float:
+        """1 if the object stood on `support` when the goal was stated."""
+        return self._first.prob_on(anchor, support)
+
+    def prob_was_near(self, anchor: str, other: str, distance_m: float) -> float:
+        """1 if the objects were near when the goal was stated."""
+        return self._first.prob_near(anchor, other, distance_m)
+
+    def relations(self, asked: Sequence[Relation]) -> "TrueRelations":
+        """Whether each relation holds."""
+        return TrueRelations(np.array([self.is_so(relation) for relation in asked], dtype=np.bool_))
+
+    def strangers(self) -> tuple[Strangers, ...]:
+        """None: every object is known."""
+        return ()
+
+    def is_so(self, relation: Relation) -> bool:
+        """Return whether a relation holds."""
+        if relation.earlier:
+            return self._first.is_so(relation.model_copy(update={"earlier": False}))
+        match relation:
+            case Relation(kind="on", anchors=(one, other)):
+                return self.prob_on(one, other) == 1.0
+            case Relation(kind="near", anchors=(one, other)):
+                return self.prob_near(one, other, relation.distance_m) == 1.0
+            case Relation(kind="weighs", anchors=(one,), meaning=WeightInterval() as meaning):
+                return self.prob_property(one, meaning) == 1.0
+        items = [self._objects.get(anchor) for anchor in relation.anchors]
+        if None in items:
+            return False
+        first, second, *to = [item for item in items if item is not None]
+        return _apart(first, to[0]) < _apart(second, to[0]) if to else first.kg > second.kg
 
     def graspable(self, anchor: str) -> bool:
         """Whether the object's type can be grasped."""
@@ -92,9 +136,31 @@ class Truth(PlainBelief):
         return Normal(np.array(mean), np.zeros((len(mean), len(mean))))
 
 
-def verdict(goal: Goal, rulebook: Rulebook, state: TrueState, types: Mapping[str, ObjectType]) -> Verdict:
-    """Return whether the goal holds in the true state, and for which object."""
-    witness = achieved_by(goal, rulebook, Truth(state, types))
+@dataclass(frozen=True, slots=True)
+class TrueRelations:
+    """Relations of which each is known to hold or not."""
+
+    holds: NDArray[np.bool_]
+    dimension: int = 0
+
+    def settled(self) -> NDArray[np.int8]:
+        """1 for a relation that holds, -1 for one that does not, shape (relations,)."""
+        return np.where(self.holds, 1, -1).astype(np.int8)
+
+    def truth(self, uniforms: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether each relation holds, shape (n, relations), whatever the numbers, shape (n, any), are."""
+        return np.tile(self.holds, (len(uniforms), 1))
+
+
+def verdict(
+    goal: Goal,
+    rulebook: Rulebook,
+    state: TrueState,
+    types: Mapping[str, ObjectType],
+    first: TrueState | None = None,
+) -> Verdict:
+    """Return whether the goal holds in the true state, and for which object; `first` as for `Truth`."""
+    witness = achieved_by(goal, rulebook, Truth(state, types, first))
     return Verdict(true=witness is not None, witness=witness or None)
 
 
@@ -105,6 +171,7 @@ def own_makes_it_true(
     types: Mapping[str, ObjectType],
     belief: Belief,
     anchor: str | None,
+    first: TrueState | None = None,
 ) -> bool:
     """Return whether the goal is true of the object that the robot chose, and not only of another one.
 
@@ -117,8 +184,9 @@ def own_makes_it_true(
         types: Every object type.
         belief: The last belief of the run.
         anchor: The robot's chosen object; None if it chose none.
+        first: As for `Truth`.
     """
-    achieving = all_achieving(goal, rulebook, Truth(state, types))
+    achieving = all_achieving(goal, rulebook, Truth(state, types, first))
     if not goal.variables or "" in achieving:
         return bool(achieving)
     return anchor is not None and meant_by(anchor, belief, state, types) in achieving
@@ -137,6 +205,12 @@ def meant_by(anchor: str, belief: Belief, state: TrueState, types: Mapping[str, 
     movable = [item for item in state.objects if types[item.type].graspable]
     nearest = min(movable, key=lambda item: (math.dist(item.world_T_object[:3], there[:3]), item.id), default=None)
     return None if nearest is None else nearest.id
+
+
+def _apart(one: TrueObject, other: TrueObject) -> float:
+    """Return the distance of the middles of two objects in the plane, metres."""
+    (x, y, *_), (u, v, *_) = one.world_T_object, other.world_T_object
+    return math.hypot(x - u, y - v)
 
 
 def _has(item: TrueObject, meaning: Meaning) -> bool:

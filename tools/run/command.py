@@ -60,6 +60,7 @@ def run(
     """
     watch = Stopwatch()
     with watch.part("loading"):
+        from skolem.reasoner.planning.relations import start_text
         from skolem.tools.loop.setup import prepare
         from skolem.tools.loop.stopwatch import LOADING
         from skolem.tools.run import running
@@ -71,6 +72,8 @@ def run(
             setup = prepare(scenario, overrides, seed, world, images, profile)
         for warning in setup.rulebook.warnings:
             output(warning, file=sys.stderr)
+        if not quiet and (said := start_text(setup.goal)):
+            output(said, file=sys.stderr)
         trace = out or running.unused(Path("out") / f"{setup.scenario.name}-{setup.seed}.mcap")
         with watched(trace, raw) if view else nullcontext() as partial:
             status = running.execute(setup, trace, watch, json, quiet, partial, raw)

@@ -124,7 +124,7 @@ def _add(found: Calibration, path: Path, rulebooks: Rulebooks) -> None:
     states = {state.step: state for state in Trace(path).of(TrueState)}
     given = given_in(run, rulebooks)
     mind = Mind(given.goal, given.rulebook, given.prior, given.limits, RecalledGeometry())
-    judge = _Judge(mind, given)
+    judge = _Judge(mind, given, states[min(states)] if states else None)
     claimed: dict[tuple[str, ...], float] = {}
     last: tuple[messages.Belief, TrueState] | None = None
     for recorded in run.steps():
@@ -147,7 +147,8 @@ Claim = tuple[str, tuple[str, ...], float, bool]  # kind, what it is about, prob
 class _Judge:
     """Compares what a mind believes with the truth."""
 
-    def __init__(self, mind: Mind, given: Given) -> None:
+    def __init__(self, mind: Mind, given: Given, first: TrueState | None) -> None:
+        self._first = first
         self._mind, self._types = mind, given.prior.types
         self._told = {item.anchor for item in given.prior.objects}
         self._words = given.rulebook.vocabulary.meanings
@@ -178,7 +179,8 @@ class _Judge:
 
     def claims(self, now: messages.Belief, state: TrueState) -> Iterator[Claim]:
         """Yield the claims of the present belief; of types and words the likeliest, of words once they were sensed."""
-        belief, truth, meant = self._mind.belief, Truth(state, self._types), self.meant(now, state)
+        belief, truth = self._mind.belief, Truth(state, self._types, self._first)
+        meant = self.meant(now, state)
         kinds = {item.id: item.type for item in state.objects}
         for anchor in now.anchors:
             known, name = now.objects[anchor], meant.get(anchor)

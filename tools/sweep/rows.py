@@ -160,9 +160,10 @@ def read_row(trace: Trace, name: str, setup: Setup) -> Row:
 
 def _own(trace: Trace, end: RunEnd, setup: Setup) -> bool:
     """Return whether the goal is true of the object that the robot has in mind."""
-    *_, state = trace.of(TrueState)
+    first, *others = trace.of(TrueState)
+    state = others[-1] if others else first
     *_, belief = trace.of(Belief)
-    return own_makes_it_true(setup.goal, setup.rulebook, state, setup.types, belief, end.anchor)
+    return own_makes_it_true(setup.goal, setup.rulebook, state, setup.types, belief, end.anchor, first)
 
 
 def _shares(probabilities: Mapping[str, float]) -> tuple[str, ...]:

@@ -11,13 +11,15 @@ class Relation(Message):
 
     on: the first rests on the second. near: their middles are at most `distance_m` apart. heavier: the first weighs
     more than the second. nearer: the middle of the first is nearer to that of the third than the middle of the second
-    is. weighs: the first has the weight of `meaning`.
+    is. weighs: the first has the weight of `meaning`. With `earlier` it is about the places of objects before the robot
+    first picked them.
     """
 
     kind: Literal["on", "near", "heavier", "nearer", "weighs"]
     anchors: tuple[Anchor, ...]
     distance_m: float = 0.0
     meaning: WeightInterval | None = None
+    earlier: bool = False
 
 
 class Strangers(Message):

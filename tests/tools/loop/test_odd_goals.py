@@ -10,7 +10,7 @@ from skolem.sim.scenario.scenario import prior_of
 from skolem.tools.loop.setup import prepare
 from skolem.traces.errors import InputError
 from skolem.traces.file.reader import Trace
-from skolem.traces.messages import Action, Observation, RobotState, RunEnd
+from skolem.traces.messages import Action, Observation, RobotState, RunEnd, Verdict
 from skolem.traces.messages.arm import CARRY
 
 MODEL = (  # of the noise, as in the scenarios
@@ -20,6 +20,7 @@ MODEL = (  # of the noise, as in the scenarios
     "wrist: {sd_newton: 0.40, drift_newton: 0.05}, grasp: {sd_m: 0.006, sd_rad: 0.05}, "
     "place: {sd_m: 0.003, sd_rad: 0.03}}"
 )
+WAS = "exists o. B(Den({}, o), 0.9) & B(On(o, table1), 0.9)"
 GREEN = SCENARIOS / "sim1_green.yaml"
 
 
@@ -34,6 +35,17 @@ def test_what_a_thing_is_to_be_put_on_may_be_described_too() -> None:
     described = "B(Den(lambda x. Red(x), o), 0.9) & B(On(o, p), 0.9) & B(Den(lambda x. Table(x), p), 0.9)"
     end, _ = ended(f"exists o, p. {described}")
     assert end.status == "goal_achieved"
+
+
+@pytest.mark.parametrize(
+    "described", ["lambda x. Soda(x) & Was(On(x, table2))", "the x. Soda(x) & On(x, table2)"], ids=["was", "the"]
+)
+def test_what_stood_elsewhere_is_meant_while_it_is_moved(described: str) -> None:
+    """The soda of table2 is still the one that was there when it stands on table1, beside another."""
+    trace = Trace(recorded("sim1_green", 0, "symbolic", (f"goal={WAS.format(described)}",)))
+    (end,), (judged,) = trace.of(RunEnd), trace.of(Verdict)
+    assert (end.status, judged.true) == ("goal_achieved", True)
+    assert judged.witness == end.anchor
 
 
 def test_of_alternatives_the_one_that_is_known_to_hold_is_pursued() -> None:

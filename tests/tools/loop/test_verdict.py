@@ -98,6 +98,38 @@ def test_truth_answers_every_query_with_certainty() -> None:
         assert not truth.observation_covariance(quantity, "sodaE").any()
 
 
+def test_what_was_said_of_the_start_is_judged_by_the_first_state(rulebook: Rulebook) -> None:
+    there = state(RED.model_copy(update={"on": "table2"}), GREEN)
+    now, types = state(RED, GREEN), rulebook.vocabulary.types
+    goal = "exists o. B(Den({}, o), 0.9)"
+    for described, witness in (
+        ("lambda x. Soda(x) & not Was(On(x, table1))", "sodaE"),
+        ("the x. Soda(x) & On(x, table1)", "sodaC"),
+        ("lambda x. Soda(x) & not On(x, table1)", None),
+    ):
+        read = parse_goal(goal.format(described), rulebook.vocabulary.words(), ["table1"])
+        assert verdict(read, rulebook, now, types, there).witness == witness
+
+
+@pytest.mark.parametrize(
+    ("described", "witness"),
+    [
+        ("heaviest x. Soda(x)", "sodaC"),
+        ("lightest x. Soda(x)", "sodaE"),
+        ("nearest x to table1. Soda(x)", "sodaE"),
+        ("lambda x. Soda(x) & not exists y. (Soda(y) & HeavierThan(y, x))", "sodaC"),
+    ],
+)
+def test_the_truth_knows_what_is_heaviest_lightest_and_nearest(
+    rulebook: Rulebook, described: str, witness: str
+) -> None:
+    lighter = RED.model_copy(update={"kg": 0.2, "world_T_object": (1.2, -0.1, 0.68, 0.0)})
+    goal = f"exists o. B(Den({described}, o), 0.9)"
+    read = parse_goal(goal, rulebook.vocabulary.words(), ["table1"])
+    found = verdict(read, rulebook, state(lighter, GREEN), rulebook.vocabulary.types)
+    assert found == Verdict(true=True, witness=witness)
+
+
 # ---------------------------------------------------------------- whose goal it is
 
 OWN_NAME = believed("soda", (1.12, 0.19, 0.68, 0.0))  # near the green one, under a name of the robot's own
