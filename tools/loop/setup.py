@@ -2,7 +2,7 @@
 
 import hashlib
 import os
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,12 +10,13 @@ from skolem.estimation import EstimatorConfig
 from skolem.reasoner import Goal, load_rules
 from skolem.reasoner.language.parser import read_goal
 from skolem.reasoner.planning.contradictions import contradictions
+from skolem.reasoner.planning.evaluations import unvalued
 from skolem.reasoner.planning.relations import misused, too_sure
 from skolem.reasoner.rulebook.book import Rulebook, rule_files
 from skolem.sim.scenario.scenario import Document, Scenario, check, load_document
 from skolem.tools.loop.worlds import PYBULLET, WorldKind, named
 from skolem.traces.errors import Fault, InputError
-from skolem.traces.messages import ObjectType, RunStart
+from skolem.traces.messages import Evaluation, ObjectType, RunStart
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +118,19 @@ def rules_of(document: Document) -> Rulebook:
     return rulebook_of(sources)
 
 
-def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
+def evaluation_of(document: Document) -> Evaluation:
+    """Return the evaluation that a document asks for; the default where it asks for none that there is."""
+    belief = document.values.get("belief")
+    return "independent" if isinstance(belief, Mapping) and belief.get("evaluation") == "independent" else "worlds"
+
+
+def understood(document: Document, rulebook: Rulebook, evaluation: Evaluation | None = None) -> tuple[Scenario, Goal]:
     """Return the scenario of a document and its goal, read with a rulebook.
+
+    Args:
+        document: The document.
+        rulebook: The rules.
+        evaluation: What a probability is; None for what the document says.
 
     Raises:
         InputError: With every fault found.
@@ -131,14 +143,15 @@ def understood(document: Document, rulebook: Rulebook) -> tuple[Scenario, Goal]:
         goal, found = read_goal(text, words, names)
         if goal is None or found:
             return found
+        goal = replace(goal, evaluation=evaluation or evaluation_of(document))
         goals.append(goal)
         wrong = misused(goal, rulebook.vocabulary) + too_sure(goal, EstimatorConfig().most_sure)
-        wrong += contradictions(goal, rulebook.vocabulary)
+        wrong += contradictions(goal, rulebook.vocabulary) + unvalued(goal, rulebook)
         return [(0, message) for message in wrong]
 
     scenario = check(document, rulebook.vocabulary.types, faults)
     [goal] = goals  # the check of a scenario without fault has read its goal, once
-    return scenario, replace(goal, evaluation=scenario.belief.evaluation)
+    return scenario, goal
 
 
 def run_start(setup: Setup) -> RunStart:

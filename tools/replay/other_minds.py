@@ -81,9 +81,9 @@ def given_with(run: RecordedRun, changes: Changes, rulebooks: Rulebooks) -> Give
 
 def _given_by_scenario(run: RecordedRun, changes: Changes, rulebook: Rulebook) -> Given:
     """Return the inputs by the changed scenario; the prior stays as recorded unless a flag changes it."""
-    scenario, goal = understood(_document(run, changes.overrides), rulebook)
-    if not any(flag.startswith("belief.evaluation=") for flag in changes.overrides):
-        goal = replace(goal, evaluation=run.start.evaluation or "independent")
+    set_anew = any(flag.startswith("belief.evaluation=") for flag in changes.overrides)
+    kept = None if set_anew else run.start.evaluation or "independent"
+    scenario, goal = understood(_document(run, changes.overrides), rulebook, kept)
     prior = run.prior
     if any(flag.partition("=")[0].partition(".")[0] in OF_PRIOR for flag in changes.overrides):
         prior = prior_of(scenario, rulebook.vocabulary.types, run.start.seed, run.prior.robot)

@@ -249,3 +249,15 @@ def command(*arguments: str) -> int:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sys.argv", ["skolem", *arguments])
         return main()
+
+
+def test_what_the_kept_evaluation_has_no_value_for_is_refused() -> None:
+    """A trace that names no evaluation is of `independent`; what-if keeps it, unless it is set anew."""
+    run = RecordedRun(recorded("sim1_green"))
+    run.start = run.start.model_copy(update={"evaluation": None})
+    the = "goal=exists o. B(Den(the x. Green(x), o), 0.9)"
+    with pytest.raises(InputError, match="independent has no value for it"):
+        given_with(run, changes_of({}, [the]), Rulebooks())
+    assert given_with(run, changes_of({}, ["limits.steps=9"]), Rulebooks()).goal.evaluation == "independent"
+    anew = changes_of({}, [the, "belief.evaluation=worlds"])
+    assert given_with(run, anew, Rulebooks()).goal.evaluation == "worlds"
