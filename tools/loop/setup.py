@@ -9,8 +9,8 @@ from pathlib import Path
 from skolem.estimation import EstimatorConfig
 from skolem.reasoner import Goal, load_rules
 from skolem.reasoner.language.parser import read_goal
+from skolem.reasoner.meaning.evaluations import unvalued
 from skolem.reasoner.planning.contradictions import contradictions
-from skolem.reasoner.planning.evaluations import unvalued
 from skolem.reasoner.planning.relations import misused, too_sure
 from skolem.reasoner.rulebook.book import Rulebook, rule_files
 from skolem.sim.scenario.scenario import Document, Scenario, check, load_document

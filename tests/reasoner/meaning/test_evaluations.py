@@ -12,7 +12,7 @@ from kit.places import RULES
 
 from skolem.reasoner.language.expressions import Goal
 from skolem.reasoner.language.parser import parse_goal
-from skolem.reasoner.planning.evaluations import unvalued
+from skolem.reasoner.meaning.evaluations import unvalued
 from skolem.reasoner.planning.queries import Queries
 from skolem.reasoner.rulebook.book import Rulebook
 from skolem.traces.messages import Evaluation
