@@ -7,17 +7,18 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
+from typing import get_args
 
 from skolem.reasoner.planning.queries import load_rules
 from skolem.sim.families.compose import Drawn, drawn
-from skolem.sim.families.ranges import FAMILIES, Variant
+from skolem.sim.families.ranges import FAMILIES, Proof, Variant
+from skolem.sim.families.things import Thing
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Thing
 from skolem.sim.space.footprints import distance, footprint
 from skolem.tools.sweep.report import with_section
 
 BARS = " ▁▂▃▄▅▆▇█"
-HIDDEN = ("name", "about")  # fields of a variant that are no ranges
+HIDDEN = ("name", "about", "construct")  # fields of a variant that are no ranges
 
 
 def main() -> None:
@@ -81,14 +82,14 @@ def histograms(words: Words, seeds: int) -> str:
         f"Of seeds 0 to {seeds - 1} of each family. A bar is a tenth of the way from the least to the most; it is as "
         "high as that part is frequent.",
         "",
-        "| family | achievable | nothing fits, nothing reached, no room | retries | things | gap to the nearest, cm | "
-        "margin of witnesses, sd | put aside |",
+        "| family | achievable | nothing fits, too few, too many, nothing reached, no room | retries | things | "
+        "gap to the nearest, cm | margin of witnesses, sd | put aside |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for family in FAMILIES:
         worlds = [drawn(family, seed, words) for seed in range(seeds)]
         answers = Counter(made.certificate.impossible for made in worlds)
-        proofs = ", ".join(str(answers[key]) for key in ("nothing_fits", "nothing_reached", "no_room"))
+        proofs = ", ".join(str(answers[key]) for key in get_args(Proof))
         columns = [
             f"{answers[None]}",
             proofs,

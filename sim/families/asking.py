@@ -8,8 +8,9 @@ from skolem.sim.families.certificate import body
 from skolem.sim.families.draws import pick
 from skolem.sim.families.goals import Clause, Description, Property
 from skolem.sim.families.margins import WEIGHT_SD_KG
+from skolem.sim.families.things import Thing
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Thing, World
+from skolem.sim.families.world import World
 
 BOUNDS = (0.8, 0.9, 0.9, 0.95)  # of denotations
 PLACED = (0.8, 0.9)  # of the object's being on the target

@@ -14,8 +14,9 @@ from skolem.sim.families.places import is_free
 from skolem.sim.families.ranges import Proof
 from skolem.sim.families.reaching import Floor, in_the_way
 from skolem.sim.families.rooms import GAP_M, never_room, spots, spread
+from skolem.sim.families.things import Thing
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Thing, World
+from skolem.sim.families.world import World
 from skolem.traces.messages import Pose2
 
 MOST_CLEARED = 12  # objects that are put aside for one witness
@@ -32,6 +33,7 @@ class Witness:
         stand: world_T_base from which an arm reaches it.
         cleared: Objects to remove before from its way, or from its place on the target, in this order.
         room: Its place on the target; None if it is there already or the goal has no target.
+        on: The table of that place, if the goal does not say it of the variable.
     """
 
     variable: str
@@ -40,6 +42,7 @@ class Witness:
     stand: Pose2
     cleared: tuple[str, ...]
     room: Pose2 | None
+    on: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +56,12 @@ class Certificate:
 def judged(world: World, words: Words) -> Certificate | None:
     """Return the certificate that holds before and after all moves; None if none can be shown."""
     floor = Floor(world.tables, words)
-    first = _Judge(world, world.things, floor, words).certificate()
+    first = Judge(world, world.things, floor, words).certificate()
     moved = {move.id: (move.on, move.at) for move in world.moves}
     if first is None or not moved:
         return first
     after = [replace(t, on=moved[t.id][0], at=moved[t.id][1]) if t.id in moved else t for t in world.things]
-    second = _Judge(world, after, floor, words).certificate()
+    second = Judge(world, after, floor, words).certificate()
     return first if second is not None and second.impossible == first.impossible else None
 
 
@@ -67,7 +70,7 @@ def body(thing: Thing) -> Body:
     return thing.type, thing.hsv, thing.kg
 
 
-class _Judge:
+class Judge:
     """One arrangement of objects, for which witnesses or a proof are sought."""
 
     def __init__(self, world: World, things: Sequence[Thing], floor: Floor, words: Words) -> None:
@@ -77,6 +80,7 @@ class _Judge:
         self._floor = floor
 
     def certificate(self) -> Certificate | None:
+        """Return the certificate of the arrangement; None if none can be shown."""
         clauses = self._world.clauses
         options = [[w for t in self._fitting(clause) if (w := self._witness(clause, t))] for clause in clauses]
         for chosen in product(*options):
@@ -96,7 +100,7 @@ class _Judge:
 
     def _witness(self, clause: Clause, thing: Thing) -> Witness | None:
         margin = clause.description.margin(body(thing), self._words)
-        if margin < self._world.variant.margin_sd[0] or not self._movable(thing):
+        if margin < self._world.variant.margin_sd[0] or not self.movable(thing):
             return None
         way = in_the_way(thing, self._things, self._words)
         room: Pose2 | None = None
@@ -106,26 +110,37 @@ class _Judge:
                 return None
             room, taken = found
             way += [other for other in taken if other not in way]
-        if len(way) > MOST_CLEARED or not all(map(self._movable, way)) or not self._can_put_aside(way, clause, thing):
+        if (
+            len(way) > MOST_CLEARED
+            or not all(map(self.movable, way))
+            or not self.can_put_aside(way, clause.target, thing)
+        ):
             return None
-        stand = self._stand(thing)
+        stand = self.stand(thing)
         assert stand is not None, "what can be moved is stood at"
         return Witness(clause.variable, thing.id, margin, stand, tuple(t.id for t in way), room)
 
-    def _stand(self, thing: Thing) -> Pose2 | None:
+    def stand(self, thing: Thing) -> Pose2 | None:
+        """Return world_T_base from which an object is reached; None if there is none."""
         return self._floor.stand(self._tables[str(thing.on)], *thing.at[:2])
 
-    def _movable(self, thing: Thing) -> bool:
-        return self._words.types[thing.type].graspable and self._stand(thing) is not None
+    def movable(self, thing: Thing) -> bool:
+        """Return whether an object can be lifted and a base can stand before it."""
+        return self._words.types[thing.type].graspable and self.stand(thing) is not None
+
+    def free_spot(self, target: str, thing: Thing) -> Pose2 | None:
+        """Return the first free place on a table for an object; None if there is none."""
+        kind = self._words.types[thing.type]
+        return next(spots(self._tables[target], kind, self._things, self._floor, self._words), None)
 
     def _room(self, target: str, thing: Thing) -> tuple[Pose2, list[Thing]] | None:
         """Return a place on the target and the fewest objects that must leave it before."""
         kind, table = self._words.types[thing.type], self._tables[target]
-        free = next(spots(table, kind, self._things, self._floor, self._words), None)
+        free = self.free_spot(target, thing)
         if free is not None:
             return free, []
         there = [other for other in self._things if other.on == target]
-        movable = [other for other in there if self._movable(other)]
+        movable = [other for other in there if self.movable(other)]
         fixed = [other for other in there if other not in movable]
         makeable = spots(table, kind, fixed, self._floor, self._words)
         return min(
@@ -141,7 +156,7 @@ class _Judge:
         }
         return list(found.values())
 
-    def _can_put_aside(self, way: Sequence[Thing], clause: Clause, thing: Thing) -> bool:
+    def can_put_aside(self, way: Sequence[Thing], target: str | None, thing: Thing) -> bool:
         """Return whether there are places for all removed objects and for the object itself."""
         if not way:
             return True
@@ -154,7 +169,7 @@ class _Judge:
             if name in sources:
                 continue
             places += len(spread(spots(table, widest, left, self._floor, self._words)))
-        needed = len(way) + (clause.target is not None and clause.target not in sources)
+        needed = len(way) + (target is not None and target not in sources)
         return places >= needed
 
     def _proof(self, clause: Clause) -> Proof | None:

@@ -6,15 +6,18 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from skolem.sim.families import places
-from skolem.sim.families.asking import asked
+from skolem.sim.families.answering import answered
+from skolem.sim.families.asking import BOUNDS, PLACED, asked
 from skolem.sim.families.certificate import Certificate, judged
 from skolem.sim.families.draws import Stream, between, pick, stream
 from skolem.sim.families.layouts import Standing
 from skolem.sim.families.ranges import FAMILIES, Variant
 from skolem.sim.families.reaching import Floor
 from skolem.sim.families.room import tables
+from skolem.sim.families.things import Thing
+from skolem.sim.families.wording import said
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Move, PriorThing, Thing, World
+from skolem.sim.families.world import Move, PriorThing, World
 
 MOST_ATTEMPTS = 1000
 MOVES_BEFORE = (2, 14)  # least and greatest action before which an object is moved
@@ -52,8 +55,9 @@ def drawn(family: str, seed: int, words: Words, bound: float | None = None) -> D
             world = _Drawing(family, seed, variant, words, attempt).world()
         except places.NoPlaceError:
             continue
-        certificate = judged(world, words)
-        if certificate is not None and certificate.impossible in _answers(variant):
+        sentence = world.sentence
+        certificate = judged(world, words) if sentence is None else answered(world, sentence, words)
+        if certificate is not None and (sentence is not None or certificate.impossible in _answers(variant)):
             if bound is not None:
                 world.bound = bound
             return Drawn(world, certificate, attempt)
@@ -91,6 +95,11 @@ class _Drawing:
         standing.put(source, target, others)
         self._set_prior(standing.shares)
         self._move(target)
+        if self._variant.construct is not None:
+            draw = self._draws[Stream.GOAL]
+            world.bound, world.placed = pick(draw, BOUNDS), pick(draw, PLACED)
+            world.sentence = said(draw, world, self._words, self._variant.construct, names)
+            return world
         hopeless = self._variant.impossible == "nothing_reached"
         reachable = [thing for thing in world.things if hopeless or self._is_reachable(thing)]
         targets = [target] if self._variant.layout != "spread" or self._variant.impossible else [target, *others]

@@ -12,18 +12,24 @@ Body = tuple[str, Hsv | None, float | None]  # type, colour, mass [kg]
 
 @dataclass(frozen=True, slots=True)
 class Property:
-    """A property: a word of the vocabulary or, with `grams`, a comparison of the weight."""
+    """A property: a word of the vocabulary or, with `grams`, a comparison of the weight; perhaps negated."""
 
     word: str
     grams: int | None = None
+    negated: bool = False
 
     def text(self) -> str:
         """Return its text in the goal language, about x."""
         name = "".join(part.capitalize() for part in self.word.split("_"))
-        return f"{name}(x)" if self.grams is None else f"{name}(x, {self.grams})"
+        text = f"{name}(x)" if self.grams is None else f"{name}(x, {self.grams})"
+        return f"not {text}" if self.negated else text
 
     def holds(self, body: Body, words: Words) -> bool:
         """Return whether it is true of a body."""
+        return self._said(body, words) != self.negated
+
+    def _said(self, body: Body, words: Words) -> bool:
+        """Return whether the word is true of a body."""
         kind, hsv, kg = body
         if self.grams is not None:
             return kg is not None and kg >= self.grams / 1000.0
@@ -55,9 +61,9 @@ class Description:
 
     parts: tuple[tuple[Property, ...], ...]
 
-    def text(self) -> str:
-        """Return its text in the goal language, about x."""
-        said = [" | ".join(each.text() for each in part) for part in self.parts]
+    def text(self, *more: str) -> str:
+        """Return its text in the goal language, about x, with more conjuncts at its end."""
+        said = [" | ".join(each.text() for each in part) for part in self.parts] + list(more)
         return " & ".join(f"({text})" if "|" in text and len(said) > 1 else text for text in said)
 
     def fits(self, body: Body, words: Words) -> bool:

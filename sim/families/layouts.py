@@ -8,8 +8,9 @@ from numpy.random import Generator
 from skolem.sim.families import places
 from skolem.sim.families.bodies import CROWD, ROUND, SHORT, STRANGERS, TALL, colour, shares_around, type_of, weight
 from skolem.sim.families.draws import Stream, between, pick, poisson
+from skolem.sim.families.things import Thing
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Thing, World
+from skolem.sim.families.world import World
 from skolem.traces.messages import Pose2
 
 GRASPABLE = ("bottle", "can", "carton", "soda")

@@ -11,8 +11,8 @@ from numpy.random import Generator
 from skolem.sim.families.draws import between, pick
 from skolem.sim.families.ranges import Range
 from skolem.sim.families.shapes import apart
+from skolem.sim.families.things import Thing
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Thing
 from skolem.sim.space.footprints import footprint
 from skolem.traces.messages import ObjectType, Pose2
 

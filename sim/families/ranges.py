@@ -9,7 +9,8 @@ from typing import Literal
 
 Range = tuple[float, float]
 Layout = Literal["spread", "clutter", "crowd", "behind", "rows"]
-Proof = Literal["nothing_fits", "nothing_reached", "no_room"]
+Proof = Literal["nothing_fits", "too_few_fit", "too_many_fit", "nothing_reached", "no_room"]
+Construct = Literal["not", "distinct", "the", "together", "at_least", "at_most", "exactly", "every", "not_exists"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +47,7 @@ class Variant:
         crowded: The table with a crowd.
         room_elsewhere: Whether objects can be put on a table besides source and target.
         impossible: The reason why the goal cannot be achieved, if that is the purpose.
+        construct: The construct of the goal; None: descriptions with lambda.
         steps: Limit of actions.
     """
 
@@ -69,6 +71,7 @@ class Variant:
     crowded: Literal["source", "target"] = "source"
     room_elsewhere: bool = True
     impossible: Proof | None = None
+    construct: Construct | None = None
     steps: int = 100
 
 
@@ -89,6 +92,17 @@ _CROWD = Variant(
 )
 _BORDER = replace(_THREE, margin_sd=(1.0, 3.0), steps=150)
 _FAR = replace(_THREE, about="Things are not where the robot is told.", strangers=(0.3, 1), steps=150)
+_LANGUAGE: dict[Construct, str] = {
+    "not": "Things that are not as a word says.",
+    "distinct": "Two different things.",
+    "the": "The only such thing; in some worlds there is none, or there are several.",
+    "together": "A description and a place in one belief.",
+    "at_least": "A least number of things.",
+    "at_most": "A greatest number of things.",
+    "exactly": "A number of things.",
+    "every": "All things of a kind.",
+    "not_exists": "No thing of a kind.",
+}
 _ROWS = Variant(
     "room",
     "Rows of things, up to five deep, with room on a third table.",
@@ -204,5 +218,9 @@ FAMILIES: dict[str, tuple[Variant, ...]] = {
             strangers=(0.0, 0),
             impossible="no_room",
         ),
+    ),
+    "language": tuple(
+        replace(_THREE, name=construct, about=about, things=(4, 6), construct=construct, steps=150)
+        for construct, about in _LANGUAGE.items()
     ),
 }

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from skolem.sim.families.shapes import apart, beyond
+from skolem.sim.families.things import Thing
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Thing
 from skolem.sim.space.footprints import Footprint, footprint
 from skolem.traces.messages import Pose2
 from skolem.traces.messages.poses import compose2

@@ -6,7 +6,7 @@ from numpy.random import Generator
 
 from skolem.sim.families.draws import DIGITS, between
 from skolem.sim.families.ranges import Variant
-from skolem.sim.families.world import Thing
+from skolem.sim.families.things import Thing
 from skolem.traces.messages import Pose2
 
 RADIUS_M = {3: (1.25, 1.45), 6: (2.2, 2.4)}  # of the circle around the robot

@@ -8,8 +8,8 @@ import numpy as np
 from skolem.sim.families.places import is_free
 from skolem.sim.families.reaching import Floor
 from skolem.sim.families.shapes import beyond
+from skolem.sim.families.things import Thing
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import Thing
 from skolem.traces.messages import ObjectType, Pose2
 
 GAP_M = 0.06  # to the objects on the table

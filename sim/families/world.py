@@ -4,29 +4,9 @@ from dataclasses import dataclass, field
 
 from skolem.sim.families.goals import Clause
 from skolem.sim.families.ranges import Variant
-from skolem.sim.families.words import Hsv
+from skolem.sim.families.sentences import Sentence
+from skolem.sim.families.things import Thing
 from skolem.traces.messages import Pose2
-
-
-@dataclass(frozen=True, slots=True)
-class Thing:
-    """One true object.
-
-    Attributes:
-        id: Its name.
-        type: Name of its object type.
-        on: The table it stands on; None: the floor.
-        at: x, y [m], theta [rad], from the middle of that table's top or, with None, in the world.
-        hsv: Colour; None for tables.
-        kg: Mass; None for tables.
-    """
-
-    id: str
-    type: str
-    on: str | None
-    at: Pose2
-    hsv: Hsv | None = None
-    kg: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +45,7 @@ class World:
         expected: Prior mean number of strangers per table.
         moves: The moves in order of time.
         clauses: The clauses of the goal.
+        sentence: The goal instead, if it has a construct beyond lambda.
     """
 
     family: str
@@ -76,5 +57,6 @@ class World:
     expected: dict[str, float] = field(default_factory=dict)
     moves: list[Move] = field(default_factory=list)
     clauses: tuple[Clause, ...] = ()
+    sentence: Sentence | None = None
     bound: float = 0.9
     placed: float = 0.9

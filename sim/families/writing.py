@@ -7,8 +7,10 @@ from skolem.sim.families.certificate import Witness
 from skolem.sim.families.compose import Drawn, drawn
 from skolem.sim.families.goals import goal_text
 from skolem.sim.families.ranges import Variant
+from skolem.sim.families.things import Thing
 from skolem.sim.families.words import Words
-from skolem.sim.families.world import PriorThing, Thing
+from skolem.sim.families.world import PriorThing
+from skolem.traces.messages import RunStatus
 
 NOISE: Mapping[str, Mapping[str, float]] = {  # of the simulated sensors and wheels
     "depth": {"sd_scale": 1.0},
@@ -46,7 +48,7 @@ def _head(made: Drawn) -> Iterator[str]:
     yield f"name: {world.family}"
     yield f"about: {variant.about}"
     yield ""
-    yield f"goal: {goal_text(world.clauses, world.bound, world.placed)}"
+    yield f"goal: {_goal(made)}"
     yield ""
     yield _said(f"seed: {world.seed}", "of the world and of every draw of the run")
     yield ""
@@ -150,7 +152,7 @@ def _wrong(item: PriorThing, variant: Variant) -> str:
 def _expect(made: Drawn) -> Iterator[str]:
     world, variant, answer = made.world, made.world.variant, made.certificate
     yield _said("expect:", "the known answer; the robot never reads it")
-    yield f"  status: {'goal_achieved' if answer.impossible is None else 'goal_unachievable'}"
+    yield f"  status: {_status(made)}"
     yield "  certificate:"
     yield f"    family: {world.family}"
     yield f"    variant: {variant.name}"
@@ -178,7 +180,27 @@ def _witness(witness: Witness) -> Iterator[str]:
     if witness.cleared:
         yield _said(f"        cleared: [{', '.join(witness.cleared)}]", "what is put aside before")
     if witness.room is not None:
-        yield _said(f"        room: {_list(witness.room)}", "a free place on the goal's table")
+        said = "the goal's table" if witness.on is None else "that table"
+        if witness.on is not None:
+            yield _said(f"        on: {witness.on}", "the table to which it is put")
+        yield _said(f"        room: {_list(witness.room)}", f"a free place on {said}")
+
+
+def _goal(made: Drawn) -> str:
+    world = made.world
+    if world.sentence is not None:
+        return world.sentence.text(world.bound, world.placed)
+    return goal_text(world.clauses, world.bound, world.placed)
+
+
+def _status(made: Drawn) -> RunStatus:
+    """Return the status with which a run should end; only `the` presupposes that there is one such object."""
+    why, sentence = made.certificate.impossible, made.world.sentence
+    if why is None:
+        return "goal_achieved"
+    if sentence is not None and sentence.construct == "the":
+        return "no_referent" if why == "nothing_fits" else "no_unique_referent"
+    return "goal_unachievable"
 
 
 def _said(text: str, comment: str) -> str:

@@ -280,7 +280,8 @@ class Witness(Model):
     margin_sd: Annotated[Factor, Field(description="how surely it fits, in deviations of one sensor reading")]
     stand: Annotated[BasePose, Field(description="where the base can stand so that an arm reaches it")]
     cleared: Annotated[tuple[Name, ...], Field(description="what is put aside before, in this order")] = ()
-    room: Annotated[Place | None, Field(description="a free place on the goal's table; null: none is needed")] = None
+    room: Annotated[Place | None, Field(description="a free place on that table; null: none is needed")] = None
+    on: Annotated[Name | None, Field(description="the table of `room`; null: the one that the goal names")] = None
 
 
 class Certificate(Model):
@@ -290,9 +291,13 @@ class Certificate(Model):
     variant: str
     seed: Seed
     retries: Annotated[Seed, Field(description="attempts that were dropped: no place found, or no answer shown")]
-    witnesses: Annotated[tuple[Witness, ...], Field(description="one for each variable of the goal")] = ()
+    witnesses: Annotated[
+        tuple[Witness, ...],
+        Field(description="one for each variable of the goal, or for each object that is counted or moved"),
+    ] = ()
     impossible: Annotated[
-        Literal["nothing_fits", "nothing_reached", "no_room"] | None, Field(description="why there are no witnesses")
+        Literal["nothing_fits", "too_few_fit", "too_many_fit", "nothing_reached", "no_room"] | None,
+        Field(description="why there are no witnesses"),
     ] = None
     off_m: Annotated[Deviation, Field(description="distance of the prior's places from the true ones, metres")] = 0.0
     noise: Annotated[Factor, Field(description="times the usual deviations of sensors and wheels")] = 1.0
