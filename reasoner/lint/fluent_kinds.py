@@ -23,6 +23,7 @@ FLUENTS: Final[dict[str, tuple[str, bool]]] = {
     "b(unlike(expression,object),any)": ("the object is not what the description means", False),
     "b(none_in(expression,region),any)": ("the unseen part of the region holds nothing of what is meant", False),
     "b(off(object,object),any)": ("the first does not rest on the second", False),
+    "b(beaten(expression,object,object),any)": ("the second is ahead of the first, or the first does not fit", False),
     "b(related(word,object,object),any)": ("the relation holds of the two objects", False),
     "b(holds_of_the_world(expression),any)": ("the sentence is true", True),
     "b(together(any,any),any)": ("both are true in one world", True),

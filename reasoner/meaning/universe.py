@@ -9,6 +9,7 @@ from skolem.reasoner.meaning.literals import Alternatives, Literals
 from skolem.reasoner.meaning.related import Related, related
 from skolem.reasoner.meaning.statements import Statement, statement
 from skolem.reasoner.rulebook.vocabulary import Vocabulary
+from skolem.reasoner.terms import Compound
 from skolem.traces.messages import Meaning
 
 
@@ -50,6 +51,30 @@ class Witnessed:
     witness: str | None
 
 
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A superlative among the objects that fit a description: one beats each of the others.
+
+    Attributes:
+        kind: heaviest, lightest or nearest.
+        fitting: The constant of the description.
+        to: The object to which one is nearest; None for the others.
+    """
+
+    kind: str
+    fitting: str
+    to: str | None
+
+    def beats(self, one: str, other: str) -> Compound:
+        """Return the statement that one object is ahead of another."""
+        match self.kind:
+            case "heaviest":
+                return Compound("heavier", (one, other))
+            case "lightest":
+                return Compound("heavier", (other, one))
+        return Compound("nearer", (one, other, str(self.to)))
+
+
 @dataclass(slots=True)
 class Universe:
     """The descriptions of a goal by constant.
@@ -57,6 +82,7 @@ class Universe:
     Attributes:
         descriptions: Every description; `e1_any` is that of all objects of which `e1` means the only one.
         counted: What a sentence, or a description that means the only such object, says of how many there are.
+        ranked: The descriptions that are superlatives.
         witnessed: The descriptions that ask for a witness.
         true, false: The minimal sets of properties that make a description true or false of an object.
         meanings: The meaning of each property.
@@ -64,6 +90,7 @@ class Universe:
 
     descriptions: dict[str, Lambda] = field(default_factory=dict)
     counted: dict[str, Counted] = field(default_factory=dict)
+    ranked: dict[str, Ranked] = field(default_factory=dict)
     witnessed: dict[str, Witnessed] = field(default_factory=dict)
     true: dict[str, Alternatives] = field(default_factory=dict)
     false: dict[str, Alternatives] = field(default_factory=dict)
@@ -88,10 +115,14 @@ class Universe:
         found, literals = cls(), Literals(vocabulary)
         for name, description in expressions.items():
             found._add(name, description, literals)
-            if description.kind == "the":
-                found._add(f"{name}_any", replace(description, kind="lambda", body=Was(description.body)), literals)
-                found.counted[name] = Counted(1, 1, f"{name}_any", f"{name}_any")
+            if description.kind != "lambda":
+                every = replace(description, kind="lambda", to=None, body=Was(description.body))
+                fitting = found._add(f"{name}_any", every, literals)
+                found.counted[name] = Counted(1, 1 if description.kind == "the" else None, fitting, fitting)
                 found.true[name] = ()
+            if description.kind not in ("lambda", "the"):
+                to = description.to.name if description.to else None
+                found.ranked[name] = Ranked(description.kind, fitting, to)
         for name, description in list(found.descriptions.items()) if witnesses else ():
             if description.kind == "lambda" and (said := related(description)) is not None:
                 found.witnessed[name] = found._witnessed(name, said, literals)

@@ -6,6 +6,7 @@ from math import comb
 from typing import Final
 
 from skolem.reasoner.meaning.universe import Counted, Universe
+from skolem.reasoner.planning.patterns import mentions
 from skolem.reasoner.planning.sharing import evenly, shares
 from skolem.reasoner.planning.situation import Situation
 from skolem.reasoner.terms import Compound, Term, compound, nll, prob
@@ -47,13 +48,14 @@ class Counting:
     def needed(self, sentence: str, members: Compound, p: int) -> list[Term]:
         """(what, object or region, share of p) for all that must be believed if the members are those that fit.
 
-        What is fits(E) or stands_on(S) of each member. Where the number is bounded and every member has been met, it is
-        also unlike(E) of each other object that may fit, and none_in(E) of each region that may hide one.
+        What is fits(E) or stands_on(S) of each member. Where the number is bounded, it is also unlike(E) of each other
+        object that may fit, and of a superlative beaten(E). Once all members have been met, none_in(E) of each region
+        that may hide one is needed as well.
         """
         found = self._universe.counted[sentence]
         wanted = list(self._of_members(found, members.args))
-        if found.high is not None and not any(isinstance(member, Compound) for member in members.args):
-            wanted += self._of_others(found.fitting, members.args, prob(p))
+        if found.high is not None or sentence in self._universe.ranked:
+            wanted += self._of_others(sentence, found.fitting, members.args, prob(p))
         parts = shares([cost for _, _, cost in wanted], p)
         return [Compound("", (what, thing, part)) for (what, thing, _), part in zip(wanted, parts, strict=True)]
 
@@ -110,11 +112,24 @@ class Counting:
                 wanted.append((compound("stands_on", support), member, nll(self._now.probability(phi)) if met else 1))
         return wanted
 
-    def _of_others(self, expression: str, members: Sequence[Term], p: float) -> list[tuple[Term, Term, int]]:
-        phis: list[Compound] = [
-            *(Compound("unlike", (expression, anchor)) for anchor in self._now.anchors() if anchor not in members),
-            *(Compound("none_in", (expression, region)) for region in self._now.belief.regions()),
-        ]
+    def _of_others(self, name: str, fitting: str, members: Sequence[Term], p: float) -> list[tuple[Term, Term, int]]:
+        """Return what must be believed of the objects that are no members, and of regions.
+
+        The places of members that nobody has met are not known yet, so of regions nothing is asked then.
+        """
+        others = [anchor for anchor in self._now.anchors() if anchor not in members]
+        if name in self._universe.ranked:
+            phis = [Compound("beaten", (name, anchor, members[0])) for anchor in others]
+        else:
+            phis = [Compound("unlike", (fitting, anchor)) for anchor in others]
+        if not any(mentions(member, "sk") for member in members):
+            phis += [Compound("none_in", (fitting, region)) for region in self._now.belief.regions()]
         least = _IGNORED * (1.0 - p) / max(1, len(phis))
-        doubtful = [(phi, q) for phi in phis if 1.0 - (q := self._now.probability(phi)) > least]
-        return [(compound(phi.name, phi.args[0]), phi.args[1], nll(q)) for phi, q in doubtful]
+        found = [(phi, self._chance(phi, fitting)) for phi in phis]
+        return [(compound(phi.name, phi.args[0]), phi.args[1], nll(q)) for phi, q in found if 1.0 - q > least]
+
+    def _chance(self, phi: Compound, fitting: str) -> float:
+        """Return P of a statement; a rival is as likely ahead of an object that nobody has met as behind it."""
+        if not mentions(phi, "sk"):
+            return self._now.probability(phi)
+        return 1.0 - 0.5 * self._now.probability(Compound("den", (fitting, phi.args[1])))

@@ -83,9 +83,18 @@ class Denotations:
                     return self._worlds.probability(expression, anchor, belief, at_least)
                 p = self.probabilities(expression, belief).get(anchor, 0.0)
                 return Interval(p, p)
+            case Compound("beaten", (str(expression), str(rival), str(anchor))):
+                return self._beaten(expression, rival, anchor, belief)
             case Compound("together", (first, second)):
                 return self._worlds.together((first, *_parts(second)), belief, at_least)
         return self._worlds.together((phi,), belief, at_least)
+
+    def _beaten(self, expression: str, rival: str, anchor: str, belief: GroundBeliefs) -> Interval:
+        """Return the bounds of P(a rival does not fit a superlative, or the anchor is ahead of it)."""
+        ranked = self.universe.ranked[expression]
+        fits = self._worlds.probability(ranked.fitting, rival, belief)
+        ahead = self._worlds.together((ranked.beats(anchor, rival),), belief)
+        return Interval(1.0 - fits.high * (1.0 - ahead.low), 1.0 - fits.low * (1.0 - ahead.high))
 
     def probability_of_new(self, expression: str, region: str, belief: OpenBeliefs) -> float:
         """Return P(Den) of an arbitrary object in the region that is not met yet."""

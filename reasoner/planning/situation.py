@@ -176,6 +176,8 @@ class Situation:
                 return 1.0 - self._world(Compound("den", (expression, anchor)), None).high
             case Compound("none_in", (str(expression), str(region))):
                 return 1.0 - self.belief.prob_exists_in(region, self._stranger(expression, region))
+            case Compound("beaten") if self._world is not None:
+                return self._world(phi, None).low
             case Compound("related", (str(relation), one, other)) if self._world is not None:
                 return self._world(Compound(relation, (one, other)), None).low
             case Compound("holds_of_the_world" | "together") if self._world is not None:

@@ -31,6 +31,7 @@ RULE_FILES: Final = (  # the table of contents of the folder rules/
     "count",  # from numbers of objects to descriptions
     "witness",  # from relations to what can be looked at
     "refute",  # how the robot comes to know that an object, or a hidden one, does not fit
+    "superlative",  # from superlatives to what can be measured
     "together",  # from what holds in one world to its parts
     "look",
     "look_region",

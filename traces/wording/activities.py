@@ -58,6 +58,12 @@ _VERBS: Final[dict[tuple[str, int], tuple[str, str, _Of]]] = {
         (("witness_obj", 3), ("witness", 4)),
         ("find out", "finding out", lambda t, a: f"whether {t.is_meant(*a[:2])} because of {t.name(a[2])}"),
     ),
+    ("compare", 2): ("compare", "comparing", lambda t, a: f"{t.name(a[0])} with {t.name(a[1])}"),
+    ("compare", 4): ("compare", "comparing", lambda t, a: f"{t.name(a[1])} with {t.name(a[2])}"),
+    **dict.fromkeys(
+        (("unfit", 2), ("unfit", 4)),
+        ("make sure", "making sure", lambda t, a: f"that {t.name(a[1])} is no rival"),
+    ),
     ("see_both", 2): ("see", "seeing", lambda t, a: f"how {t.name(a[0])} and {t.name(a[1])} stand"),
     ("see", 4): ("see", "seeing", lambda t, a: f"how {t.name(a[1])} and {t.name(a[2])} stand"),
     **dict.fromkeys(

@@ -21,6 +21,7 @@ _FACTS: Final[dict[tuple[str, int], _Clause]] = {
     ("contents", 1): lambda t, a: f"all that {t.region(a[0])} holds is known",
     ("off", 2): lambda t, a: f"{t.name(a[0])} is not on {t.name(a[1])}",
     ("unlike", 2): lambda t, a: t.is_not_meant(*a),
+    ("beaten", 3): lambda t, a: f"{t.name(a[2])} beats {t.name(a[1])} as {t.described(a[0])}",
     ("related", 3): lambda t, a: f"{t.name(a[1])} is {spaced(str(a[0]))} {t.name(a[2])}",
     ("none_in", 2): lambda t, a: t.hides_none(*a),
     ("holds_of_the_world", 1): lambda t, a: t.sentence(a[0]),

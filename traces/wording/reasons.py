@@ -34,6 +34,7 @@ RISKS: Final[Mapping[str, str]] = {
     "prior_of_existence": "no such object is there",
     "prior_of_property": "the object does not have the property",
     "prior_of_none": "such an object is hidden there",
+    "prior_of_superlative": "a rival is ahead",
     "prior_of_relation": "the two objects do not stand so",
     "prior_of_refutation": "the object fits after all",
     "slips": "the object slips",

@@ -59,6 +59,23 @@ def test_the_only_one_is_found_by_ruling_the_others_out() -> None:
     assert "Weigh(o2)" in actions
 
 
+@pytest.mark.parametrize(
+    ("superlative", "witness", "weighed"),
+    [
+        ("heaviest x", "o4", {"_o1_", "o2", "o3"}),
+        ("lightest x", "o2", {"_o1_", "o2", "o3"}),
+        ("nearest x to o1", "o2", set()),
+    ],
+)
+def test_a_superlative_is_known_once_what_may_be_ahead_was_compared(
+    superlative: str, witness: str, weighed: set[str]
+) -> None:
+    end, verdict, actions = ended(f"exists o. B(Den({superlative}. Can(x), o), 0.8) & B(On(o, desk), 0.9)")
+    assert (end.status, verdict.true, verdict.witness) == ("goal_achieved", True, witness)
+    lifted = {op.removeprefix("Weigh(").removesuffix(")") for op in actions if op.startswith("Weigh")}
+    assert lifted <= weighed  # o1 is a carton, and of the nearest one no weight matters
+
+
 def test_where_nothing_is_the_only_one_the_run_says_what_it_has_searched() -> None:
     end, _, actions = ended("exists o. B(Den(the x. Carton(x) & Green(x) & Heavy(x), o), 0.8)")
     assert end.status == "no_referent"

@@ -104,6 +104,8 @@ def test_the_rules_use_no_other_fluents_and_no_operator_without_words() -> None:
         "count_objs": "(s1)",
         "witness_obj": "(e1,o,p)",
         "see_both": "(o,p)",
+        "compare": "(o,p)",
+        "unfit": "(e1,o)",
         "the_obj": "(e1,o)",
         "refute_obj": "(e1_any,o)",
         "rule_out": "(e1_any,_reg1_)",
