@@ -9,7 +9,7 @@ from skolem.reasoner.meaning.universe import Counted, Universe
 from skolem.reasoner.planning.patterns import mentions
 from skolem.reasoner.planning.sharing import evenly, shares
 from skolem.reasoner.planning.situation import Situation
-from skolem.reasoner.terms import Compound, Term, compound, nll, prob
+from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, compound, nll, prob
 from skolem.traces.messages import Limits
 
 NONE: Final = "none"
@@ -104,13 +104,17 @@ class Counting:
     def _of_members(self, found: Counted, members: Sequence[Term]) -> list[tuple[Term, Term, int]]:
         wanted: list[tuple[Term, Term, int]] = []
         for member in members:
-            met = isinstance(member, str)
             if found.kind is not None:
-                wanted.append((compound("fits", found.kind), member, self._fits(found.kind, str(member)) if met else 1))
+                phi = Compound("den", (found.kind, member))
+                wanted.append((compound("fits", found.kind), member, self._cost(phi, member)))
             for support in found.on:
                 phi = Compound("on", (member, support))
-                wanted.append((compound("stands_on", support), member, nll(self._now.probability(phi)) if met else 1))
+                wanted.append((compound("stands_on", support), member, self._cost(phi, member)))
         return wanted
+
+    def _cost(self, phi: Compound, member: Term) -> int:
+        """Return -ln P of a fact about a member; nothing is believed yet of one that is not met."""
+        return nll(self._now.probability(phi)) if isinstance(member, str) else CAP_MICRONATS
 
     def _of_others(self, name: str, fitting: str, members: Sequence[Term], p: float) -> list[tuple[Term, Term, int]]:
         """Return what must be believed of the objects that are no members, and of regions.

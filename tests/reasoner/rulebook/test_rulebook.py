@@ -151,3 +151,18 @@ def test_an_own_file_must_be_a_rule_file(tmp_path: Path) -> None:
     (tmp_path / "own.txt").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match=r"own\.txt: expected a rule file whose name ends in \.lp"):
         Rulebook.load(Queries, [tmp_path / "own.txt"])
+
+
+def test_a_question_is_asked_once_whoever_asks_in_terms_or_in_symbols() -> None:
+    """A child process asks in terms; a second question would be one more than the trace has recorded."""
+    asked: list[str] = []
+
+    class Source:
+        def weighs(self, anchor: str) -> int:
+            asked.append(anchor)
+            return len(asked)
+
+    source = Asked.source(Asked(Source()))
+    answers = [getattr(source, "weighs")(anchor) for anchor in ("a", "a", "b", "a")]  # noqa: B009 - as a child asks
+    assert answers == [1, 1, 2, 1]
+    assert asked == ["a", "b"]
