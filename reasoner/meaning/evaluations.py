@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
-from skolem.reasoner.language.descriptions import And, Atom, Exists, Expression, Or
+from skolem.reasoner.language.descriptions import And, Atom, Exists, Expression, Lambda, Or
 from skolem.reasoner.language.expressions import Believed, Goal, Sentence, Together
 from skolem.reasoner.rulebook.book import Rulebook
 
@@ -34,8 +34,13 @@ def _beyond(goal: Goal) -> Iterator[str]:
         if isinstance(conjunct, Believed) and isinstance(conjunct.phi, Sentence | Together):
             yield str(conjunct.phi)
     for description in goal.expressions.values():
-        if description.kind != "lambda" or not _of_the_paper(description.body):
+        if not of_the_paper(description):
             yield str(description)
+
+
+def of_the_paper(description: Lambda) -> bool:
+    """Return whether the paper's language has a description, so that its product values it."""
+    return description.kind == "lambda" and _of_the_paper(description.body)
 
 
 def _of_the_paper(expression: Expression) -> bool:

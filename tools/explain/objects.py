@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from skolem.reasoner.planning.instances import title
 from skolem.reasoner.planning.regression import Found, Subgoal
 from skolem.reasoner.terms import CAP_MICRONATS, Compound, Term, compound, nll, parse_term, prob, substitute
+from skolem.tools.explain.gaps import Gap, gaps
 from skolem.tools.explain.insight import Insight, Truth, truth
 from skolem.tools.explain.plans import Rival, beaten, planned
 from skolem.tools.explain.refusals import Refused
@@ -54,11 +55,13 @@ class Choice:
         step: The decision at which it was made.
         descriptions: The descriptions behind the constants e1, e2, ..
         options: The chosen one first, then by the probability of being meant.
+        gaps: Where the two evaluations of a description differ.
     """
 
     step: int
     descriptions: dict[str, str]
     options: tuple[Option, ...]
+    gaps: tuple[Gap, ...] = ()
 
 
 def choice(insight: Insight, subgoal: tuple[str, ...], refused: Refused) -> Choice:
@@ -77,7 +80,8 @@ def choice(insight: Insight, subgoal: tuple[str, ...], refused: Refused) -> Choi
     rival = Rival(bool(chosen), _cost(insight, chosen, found, refused), refused, sought)
     options = [_option(insight, name, roots, chosen, found, rival) for name, roots in _candidates(insight)]
     options.sort(key=lambda o: (not o.chosen, -(sum(o.denotes.values())), o.object))
-    return Choice(insight.step, {name: str(text) for name, text in goal.expressions.items()}, tuple(options))
+    said = {name: str(text) for name, text in goal.expressions.items()}
+    return Choice(insight.step, said, tuple(options), gaps(goal, insight.given.rulebook, insight.belief))
 
 
 def _cost(insight: Insight, chosen: Subgoal, found: dict[Subgoal, Found | None], refused: Refused) -> int | None:

@@ -42,6 +42,9 @@ def choice_tree(choice: Choice, words: Wording) -> Tree:
     tree = Tree(f"why this object (chosen at step {choice.step}{_descriptions(choice, words)})")
     for option in choice.options:
         _option(tree, option, words)
+    for gap in choice.gaps:
+        both = f"{gap.worlds:.3f} by possible worlds, {gap.independent:.3f} by the paper's product"
+        tree.add(f"{words.meant(gap.expression)} for {gap.object}: {both}; they differ by {gap.size:.3f}")
     return tree
 
 
