@@ -40,6 +40,7 @@ def test_with_physics_too(name: str) -> None:
         ("the_soda_on_table2", "exists o. B(Den(the x. Soda(x) & Was(On(x, table1)), o), 0.9)", "no_referent"),
         ("the_soda_on_table2", "exists o. B(Den(the x. Soda(x), o), 0.9)", "no_unique_referent"),
         ("two_cans", "B(at least 3 x. Can(x), 0.9)", "goal_unachievable"),
+        ("two_cans", "B(exactly 1 x. Can(x), 0.9)", "goal_unachievable"),
         ("not_red", "exists o. B(Den(lambda x. Red(x) & not Soda(x), o), 0.95)", "goal_unachievable"),
         ("every_soda", "B(every x. Carton(x) -> On(x, table1), 0.9)", "goal_achieved"),
     ],
@@ -59,6 +60,12 @@ def test_what_tells_two_referents_apart_is_said() -> None:
 def test_a_soda_that_nobody_told_of_joins_the_others() -> None:
     run = ran("every_soda")
     assert run.named("Pick") == ["sodaB", "_o1_"]
+
+
+def test_what_parts_that_are_believed_together_describe_is_looked_for() -> None:
+    run = ran("every_soda", overrides=("goal=exists o. B(Den(lambda x. Green(x), o) & On(o, table1), 0.9)",))
+    assert (run.achieved, run.verdict.true) == (True, True)
+    assert run.named("Place") == ["_o1_"]
 
 
 def test_a_plan_is_dropped_whenever_a_soda_turns_out_to_be_red() -> None:
