@@ -1,7 +1,7 @@
 """The queries of `count.lp`, `refute.lp` and `together.lp`: who is counted, and how sure the robot must be of each."""
 
 from collections.abc import Sequence
-from itertools import combinations
+from itertools import combinations, islice
 from math import comb
 from typing import Final
 
@@ -31,7 +31,10 @@ class Counting:
         return NONE if found is None else found.fitting
 
     def members(self, sentence: str, p: int) -> list[Term]:
-        """Choices of the objects that a sentence needs, likeliest first: a tuple of anchors and Skolem constants."""
+        """Choices of the objects that a sentence needs, likeliest first: a tuple of anchors and Skolem constants.
+
+        Of many choices, some are kept for each number of objects that nobody has met.
+        """
         found = self._universe.counted.get(sentence)
         if found is None:
             return []
@@ -42,8 +45,9 @@ class Counting:
             known = found.low - unmet
             if known <= len(likely) and (not unmet or found.kind is not None):
                 few = likely[: known + _SPARE] if comb(len(likely), known) > MOST_CHOICES else likely
-                choices += [Compound("", (*chosen, *strangers)) for chosen in combinations(few, known)]
-        return choices[:MOST_CHOICES]
+                some = islice(combinations(few, known), max(1, MOST_CHOICES // (found.low + 1)))
+                choices += [Compound("", (*chosen, *strangers)) for chosen in some]
+        return choices
 
     def needed(self, sentence: str, members: Compound, p: int) -> list[Term]:
         """(what, object or region, share of p) for all that must be believed if the members are those that fit.

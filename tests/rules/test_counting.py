@@ -120,7 +120,9 @@ def test_likelier_members_are_chosen_first_and_the_choices_are_few() -> None:
     at = scene("B(at least 3 x. Soda(x), 0.9)", regions=False, **sodas)
     found = list(at.offers.offers(parse_term(f"b(holds_of_the_world(s1),{NINE})")))
     assert 0 < len(found) <= 20
-    costs = [sum(nll(sodas[m]) for m in str(i.step).split("(")[2].partition(")")[0].split(",") if m) for i in found]
+    met = [str(i.step) for i in found if "sk(" not in str(i.step)]
+    assert 0 < len(met) < len(found)  # however many are known, others may be found
+    costs = [sum(nll(sodas[m]) for m in step.split("(")[2].partition(")")[0].split(",") if m) for step in met]
     assert min(costs) == sum(sorted(map(nll, sodas.values()))[:3])
     assert len(set(map(str, (i.step for i in found)))) == len(found)
 
