@@ -27,7 +27,7 @@ from skolem.traces.messages import Decision, Meaning, Memory, PlanCause, Remembe
 
 FOLDER = ROOT / "tests" / "golden"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.mcap"))
-MAX_BYTES_OF_ALL = 3_000_000
+MAX_BYTES_OF_ALL = 4_500_000
 
 OPERATORS = {"LookAt", "LookAtRegion", "Weigh", "Pick", "Place", "Move"}
 INFERENCES = {
@@ -39,7 +39,13 @@ INFERENCES = {
     "Infer colour",
     "Infer weight",
 }
-STATUSES = {"goal_achieved", "goal_unachievable", "limit_reached"}  # others are the recorder's: a crash, an interrupt
+STATUSES = {
+    "goal_achieved",
+    "goal_unachievable",
+    "no_referent",
+    "no_unique_referent",
+    "limit_reached",
+}  # others are the recorder's: a crash, an interrupt
 
 
 def described() -> dict[str, Golden]:
@@ -118,7 +124,8 @@ def used(trace: Trace) -> Iterator[str]:
         for op in decision.plan:
             name, _, word = op.partition("(")
             if name == "Infer":
-                meaning = meanings[word.split(",")[0]]
+                property_, _, rest = word.split(",")[0].removeprefix("not__").partition("__")
+                meaning = meanings[property_ if rest in ("", "below", "above") else word]
                 yield f"Infer {'type' if isinstance(meaning, TypeIs) else meaning.quantity}"
             else:
                 yield name
