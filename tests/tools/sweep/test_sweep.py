@@ -343,7 +343,8 @@ def test_ctrl_c_keeps_what_is_finished_and_leaves_no_process(tmp_path: Path) -> 
         _, err = process.communicate()
     assert (process.returncode, "Traceback" in err) == (130, False), err
     rows = table(tmp_path)
-    assert 1 <= len([first, *err.splitlines()]) == len(rows) < 20
+    told = {first.rstrip(), *err.splitlines()}  # a line that is interrupted while it is written may come again
+    assert 1 <= len(told) == len(rows) < 20
     assert all((tmp_path / row["trace"]).exists() for row in rows)
     assert psutil.wait_procs(family, timeout=BOUND_S)[1] == []
 
